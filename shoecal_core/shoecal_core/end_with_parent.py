@@ -1,6 +1,6 @@
-"""Programs that end with whoever started them, even where that one was killed.
+"""Programs that end with the process that started them, even where that one was killed.
 
-Run by itself, this file is how such a program begins: it has itself told of its parent's end, and
+Run by itself, this file is how such a program starts: it asks for a signal at its parent's end, and
 then becomes the program. That needs nothing between fork and exec, where threads forbid nearly all.
 """
 
@@ -16,7 +16,7 @@ _PR_SET_PDEATHSIG = 1
 
 
 def ending_with_parent(command: Sequence[str]) -> list[str]:
-    """A command for the same program, which is told to end (SIGTERM) as soon as its parent ends.
+    """A command for the same program, which gets SIGTERM as soon as its parent ends.
 
     To the kernel the parent is the thread that starts it, not that thread's process: it has to be
     one that lives as long as the program shall.
@@ -27,7 +27,7 @@ def ending_with_parent(command: Sequence[str]) -> list[str]:
 def _become(command: list[str], parent: int) -> None:
     ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
     if os.getppid() != parent:
-        sys.exit("ended before it began: so did the process that started it")
+        sys.exit("not started: the process that asked for it has ended")
     # Python ignores these, and what is ignored stays so.
     for number in (signal.SIGPIPE, signal.SIGXFSZ):
         signal.signal(number, signal.SIG_DFL)

@@ -8,13 +8,13 @@ from difflib import get_close_matches
 from pathlib import Path
 
 LONGEST = 2000
-"""Letters of a message; what is put into it may be anybody's."""
+"""Letters of a message; what is put into it may be of any length."""
 
 
 def one_line(text: str) -> str:
     """A text without line breaks and control characters, its middle left out where too long.
 
-    The end stays: it tells the cure.
+    The end stays: it names the cure.
     """
     if len(text) > LONGEST:
         half = LONGEST // 2 - 2
@@ -42,7 +42,7 @@ class ShoecalError(Exception):
 class FileError(ShoecalError):
     """A file that cannot be used: names the file, the field and the cure.
 
-    What is wrong with it is told by the kinds of this error, each with a code of its own.
+    Subclasses say what is wrong with it, each with a code of its own.
 
     Attributes:
         path: the file.

@@ -1,4 +1,4 @@
-"""What somebody has given instead of what was asked for: files of another kind, mistyped keys."""
+"""What was given instead of what was asked for: files of another kind, mistyped keys."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def meant(given: str, known: Sequence[str]) -> str:
 
 
 def not_yaml(content: bytes) -> str:
-    """What a file is that is no YAML mapping; empty where that cannot be told."""
+    """What a file is that is no YAML mapping; empty where that is not known."""
     text = content[:4096].decode("utf-8", errors="replace").lstrip("\ufeff")
     if not text.strip():
         return "is empty"

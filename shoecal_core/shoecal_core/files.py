@@ -50,7 +50,7 @@ _BY_NUMBER: Mapping[int | None, type[FileError]] = {
     errno.EDQUOT: DiskFullError,
     errno.EFBIG: DiskFullError,
 }
-"""What the system tells by these numbers, whatever was to be done; all else depends on that."""
+"""What these numbers mean, whatever was to be done; all others depend on that."""
 
 
 def system_error(
@@ -68,12 +68,11 @@ def system_error(
         error: of the system.
         problem: what could not be done with it: cannot be written, made, …
         cure: for a person.
-        otherwise: the error where the system tells neither that it is missing or there already
-            nor that there is no room.
+        otherwise: the error unless it is missing, is there already, or there is no room.
     """
-    told = f"{problem} ({error.strerror or error})"
+    text = f"{problem} ({error.strerror or error})"
     kind = _BY_NUMBER.get(error.errno, otherwise)
-    return kind(path, f"{told}; {cure}" if cure else told)
+    return kind(path, f"{text}; {cure}" if cure else text)
 
 
 def read_error(path: Path | str, error: OSError, cure: str = "") -> FileError:
@@ -151,7 +150,7 @@ def sync_folder(path: Path) -> None:
 
 def sha256(path: Path) -> str:
     """Hexadecimal SHA-256 of a file's content."""
-    with open_file(path) as file, _told(path):
+    with open_file(path) as file, _refused(path):
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
@@ -166,7 +165,7 @@ def read_bytes(path: Path, largest: int = MAX_BYTES) -> bytes:
         FileTooLargeError: where it has more.
         FileMissingError, FileUnreadableError: as `open_file`.
     """
-    with open_file(path) as file, _told(path):
+    with open_file(path) as file, _refused(path):
         if os.fstat(file.fileno()).st_size > largest:
             problem = f"larger than {largest >> 20} MiB; not a file of this kind"
             raise FileTooLargeError(path, problem)
@@ -181,8 +180,8 @@ def open_file(path: Path) -> BufferedReader:
         FileUnreadableError: where it cannot be opened, or is a folder, or a pipe or a device:
             they may have no end.
     """
-    with _told(path):
-        # Whoever opens a pipe waits for its writer, unless told not to wait.
+    with _refused(path):
+        # Opening a pipe waits for its writer, unless asked not to wait.
         file = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
     mode = os.fstat(file).st_mode
     if stat.S_ISREG(mode):
@@ -193,7 +192,7 @@ def open_file(path: Path) -> BufferedReader:
 
 
 @contextmanager
-def _told(path: Path) -> Iterator[None]:
+def _refused(path: Path) -> Iterator[None]:
     """What the system refuses, as a FileError."""
     try:
         yield
@@ -214,8 +213,8 @@ def read_yaml(path: Path) -> Fields:
     try:
         value = yaml.load(content, Loader=_Loader)  # noqa: S506 - a child of SafeLoader
     except (yaml.YAMLError, ValueError, RecursionError, OverflowError) as error:
-        if told := not_yaml(content):
-            raise FileSyntaxError(path, told) from error
+        if kind := not_yaml(content):
+            raise FileSyntaxError(path, kind) from error
         mark, problem = (getattr(error, name, None) for name in ("problem_mark", "problem"))
         line = f" at line {mark.line + 1}" if mark is not None else ""
         reason = f" ({problem})" if problem else ""
@@ -223,8 +222,8 @@ def read_yaml(path: Path) -> Fields:
         cure = "indent with spaces, not with tabs" if tab else "correct it there"
         raise FileSyntaxError(path, f"not valid YAML{line}{reason}; {cure}") from error
     if not isinstance(value, dict):
-        told = not_yaml(content) or "expected a mapping of keys to values at the top level"
-        raise FileSyntaxError(path, told)
+        problem = not_yaml(content) or "expected a mapping of keys to values at the top level"
+        raise FileSyntaxError(path, problem)
     return Fields(Path(path), "", value)
 
 
@@ -332,7 +331,7 @@ class Fields:
         return value
 
     def array(self, key: str, shape: tuple[int | None, ...]) -> NDArray[np.float64]:
-        """Finite numbers of a given shape; None in the shape stands for any length."""
+        """Finite numbers of a given shape, None for any length: (None, 3) for (n, 3)."""
         value = self.value(key)
         flat = [self._finite(key, item) for item in _flatten(value)]
         try:

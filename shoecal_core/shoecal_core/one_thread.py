@@ -1,7 +1,7 @@
 """Linear algebra on one thread, for programs that import this before numpy is loaded.
 
 Matrices here are small: more threads wait for each other most of the time, and on a busy computer
-make a diagnosis ten times slower. Whoever sets the variables keeps what was set.
+make a diagnosis ten times slower. Variables that are already set stay as they are.
 """
 
 from __future__ import annotations

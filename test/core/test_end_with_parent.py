@@ -29,7 +29,7 @@ def test_it_does_not_begin_where_its_parent_has_ended() -> None:
     of_another = ["sh", "-c", '"$@"; exit $?', "sh", *command]
     done = subprocess.run(of_another, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout) == (1, "")
-    assert "ended before it began" in done.stderr
+    assert "not started: the process that asked for it" in done.stderr
 
 
 def test_it_is_the_program_itself() -> None:

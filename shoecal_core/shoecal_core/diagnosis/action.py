@@ -39,8 +39,8 @@ CURES: Mapping[str, str] = {
 def action(diagnosis: Diagnosis) -> Action:
     """The first thing that a person should do.
 
-    What is confused is told apart first, where a motion can; then the most probable cause is
-    cured. It wins what the gap shrinks by on the test runs.
+    What is confused is separated first, where a motion can; then the most probable cause is
+    corrected. The expected gain is the shrink of the gap on the test runs.
     """
     gap = diagnosis.gap
     before = gap.cop_mae_mm

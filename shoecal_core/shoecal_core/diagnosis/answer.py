@@ -34,7 +34,7 @@ class Answer:
 
     Attributes:
         verdict, causes: as in `Diagnosis`.
-        ambiguity: what cannot be told apart from the first cause, itself included.
+        ambiguity: what cannot be separated from the first cause, itself included.
         ranking: of everything that could stand in its place.
     """
 
@@ -90,7 +90,7 @@ def borne_out(
     found = _probable(found, settings)
     if found.chosen is None or not workspace.test:
         return found, ()
-    told = []
+    reasons = []
     for index in reversed(range(len(found.chosen.parts))):
         chosen = found.chosen
         assert chosen is not None, "the part at hand is left"
@@ -108,8 +108,8 @@ def borne_out(
             why += "test runs away"
         else:
             continue
-        told.append(f"{hypothesis.label}: {why}: not named")
-    return found, tuple(told)
+        reasons.append(f"{hypothesis.label}: {why}: not named")
+    return found, tuple(reasons)
 
 
 def _probable(found: Selection, settings: DiagnosisSettings) -> Selection:
@@ -136,7 +136,7 @@ def causes_of(workspace: Workspace, found: Selection) -> list[Cause]:
 def probabilities(found: Selection, index: int) -> tuple[Candidate, ...]:
     """Of everything that could stand in a cause's place; what lacks is that there is none.
 
-    What a cause explains beside much stronger ones may be what these have in another form.
+    What a cause explains next to much stronger ones may be an error in their form.
     """
     alternatives = found.alternatives[index]
     best = max((log for _, log in alternatives), default=0.0)
@@ -177,7 +177,7 @@ def _gapes(workspace: Workspace, *, evident: bool) -> bool:
 
 
 def _partly(workspace: Workspace, chosen: Scored) -> bool:
-    """Whether something is left; what happened once, in a run that was fitted, tells nothing."""
+    """Whether something is left; what happened once, in a run that was fitted, does not count."""
     if chosen.other:
         return True
     happened = any(form.shape.run is not None for _, form in chosen.parts)

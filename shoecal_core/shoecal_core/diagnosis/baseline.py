@@ -70,7 +70,7 @@ def precision(
 
 
 def coarse_noise(samples: Samples) -> FloatArray:
-    """(s, BANDS) variance before anything is known; dynamics are foretold worse than statics."""
+    """(s, BANDS) variance before anything is known; dynamics are predicted worse than statics."""
     std = np.ones(len(SIGNALS))
     std[GRF], std[COP] = 0.3, 0.001
     std[AIR], std[CLOSURE], std[PARITY], std[TILT] = (0.1, 0.01, 0.01), 0.001, 0.3, 0.002
@@ -91,6 +91,10 @@ def fit_baseline(
     """Gauss-Newton over gains and offsets on some runs.
 
     Args:
+        signal_model: where the fit starts.
+        runs: to fit.
+        noise: (s, BANDS) variance of the signals' coefficients.
+        settings: of the diagnosis.
         guess: that priors are about; by default the signal model's parameters.
     """
     guess = signal_model.parameters if guess is None else guess

@@ -46,7 +46,7 @@ BY_HAND: Mapping[str, ByHand] = {
     WARM: ByHand("hold", later=600.0, warmer=3.0),
     WEIGHTED: ByHand("landmarks", mass=KNOWN_MASS),
 }
-"""Beside the catalogue; see docs/reference/nodes.md for what a person does."""
+"""In addition to the catalogue; see docs/reference/nodes.md for what a person does."""
 
 
 def stance(name: str, feasible: Feasible, so_far: Sequence[DoubleSupport]) -> DoubleSupport:

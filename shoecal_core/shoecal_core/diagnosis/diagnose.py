@@ -64,7 +64,7 @@ def diagnose(
     effects: Sequence[Effect] = EFFECTS,
     progress: Progress | None = None,
 ) -> Diagnosis:
-    """Tell where model and reality differ, and why.
+    """Find where model and reality differ, and why.
 
     Args:
         session: recorded.
@@ -74,25 +74,25 @@ def diagnose(
         weight_kg: of robot and shoes, in place of the robot file's [kg].
         rezero: take each run with its own zeros, where a foot hangs in it.
         without: families of signals left out (`signals.FAMILIES`).
-        only: tells of an effect and a place whether to look; None: everywhere (see `Wanted`).
+        only: whether to look for an effect at a place; None: everywhere (see `Wanted`).
         effects: the library.
-        progress: told what is being done and the share done (0 to 1).
+        progress: called with what is being done and the share done (0 to 1).
 
     Raises:
-        ShoecalError: when the session cannot tell a gap from a parameter at all.
+        ShoecalError: when gaps and parameters cannot be separated in this session at all.
     """
     settings = DiagnosisSettings() if settings is None else settings
     tolerances = Tolerances() if tolerances is None else tolerances
-    tell = progress or (lambda _text, _share: None)
+    report = progress or (lambda _text, _share: None)
     train, test = split_runs(session, train, test)
     read = read_runs(
-        session, (*train, *test), lambda text, share: tell(text, 0.2 * share), weight_kg=weight_kg
+        session, (*train, *test), lambda text, share: report(text, 0.2 * share), weight_kg=weight_kg
     )
     samples, zeros = samples_of(read, settings), zeros_in(read)
     train, test = (tuple(run for run in runs if run in samples.runs) for runs in (train, test))
     if rezero:
         samples = at_zeros(samples, zeros, train)
-    tell("fitting with nothing added", 0.2)
+    report("fitting with nothing added", 0.2)
     signal_model = make_signal_model(samples, first_parameters(samples, train), settings, without)
     wanted = only or (lambda _effect, _place: True)
     workspace = make_workspace(signal_model, effects, train, test, settings, tolerances, wanted)
@@ -104,7 +104,7 @@ def diagnose(
             "nothing of what was asked for can be looked at: there is no such place in this robot "
             "and these shoes, or the recording lacks what the effect needs",
         )
-    tell("what this session can tell", 0.45)
+    report("checking what is identifiable", 0.45)
     known = MeasuredBefore()
     if only is None:
         known = measure(
@@ -118,11 +118,11 @@ def diagnose(
         signal_model = make_signal_model(whole, first_parameters(whole, train), settings, without)
         mended = make_workspace(signal_model, effects, train, test, settings, tolerances, wanted)
     before = preflight(mended, settings)
-    tell("trying every effect", 0.5)
+    report("trying every effect", 0.5)
     exchange = rewired(mended, effects, settings, wanted)
     best = mended if exchange is None else exchange.workspace
     found = select(best, settings) if only is None else asked_for(best)
-    tell("measuring the shrink", 0.8)
+    report("measuring the shrink", 0.8)
     denied: tuple[str, ...] = ()
     if only is None:
         found, denied = borne_out(best, found, settings)
@@ -136,13 +136,13 @@ def diagnose(
     said = answer(best, certain, found, settings)
     if only is not None and not certain:
         said = replace(said, causes=tuple(causes_of(best, found)))
-    tell("done", 1.0)
+    report("done", 1.0)
     chosen = found.chosen if said.causes else None
     mended_gap = best.explained(None)[0]
     without_any = workspace.explained(None)[0] if certain else mended_gap
     left = best.explained(chosen)[0]
     worse, grown = worse_runs(best, without_any, left, settings)
-    told = Diagnosis(
+    diagnosis = Diagnosis(
         verdict=said.verdict,
         gap=gap(best, without_any),
         where=where(best, without_any, chosen),
@@ -163,8 +163,8 @@ def diagnose(
         zeros=zeros,
         budget=budget(best, mended_gap, chosen),
     )
-    told = lowered(told, worse) if said.causes else told
-    return replace(told, action=action(told))
+    diagnosis = lowered(diagnosis, worse) if said.causes else diagnosis
+    return replace(diagnosis, action=action(diagnosis))
 
 
 def _halted(workspace: Workspace, wanted: Callable[[str, Place], bool]) -> Stopped | None:

@@ -30,7 +30,7 @@ def worse_runs(
         before, after: (T, s) residuals without it and with it.
     """
     least_n = workspace.signal_model.samples.robot.weight * settings.material_share
-    runs, told = [], []
+    runs, reasons = [], []
     for run in workspace.test:
         (cop, grf), (cop_after, grf_after) = (
             maes(workspace, one, [run]) for one in (before, after)
@@ -42,8 +42,8 @@ def worse_runs(
             grown.append(f"GRF {grf:.3f} -> {grf_after:.3f} N")
         if grown:
             runs.append(run)
-            told.append(f"test run {run} gets worse with it: {', '.join(grown)}")
-    return tuple(runs), tuple(told)
+            reasons.append(f"test run {run} gets worse with it: {', '.join(grown)}")
+    return tuple(runs), tuple(reasons)
 
 
 def lowered(diagnosis: Diagnosis, worse: Sequence[int]) -> Diagnosis:

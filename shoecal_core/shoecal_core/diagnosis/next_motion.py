@@ -1,4 +1,4 @@
-"""The run that tells apart what is confused, by the physics of each pair of effects."""
+"""The run that separates what is confused, by the physics of each pair of effects."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ BODY = frozenset({"joint_offset", "link_com", "payload", "total_mass"})
 ZEROS = frozenset({"zero_drift", "zero_offset"})
 GAINS = frozenset({"span_drift", "nonlinearity", "saturation", "crosstalk"})
 GEOMETRY = frozenset({"foot_placement", "cell_position"})
-TELLS: Sequence[tuple[frozenset[str], frozenset[str], str]] = (
+SEPARATED_BY: Sequence[tuple[frozenset[str], frozenset[str], str]] = (
     # A delay grows with the frequency without end, a lag does not.
     (frozenset({"latency"}), frozenset({"low_pass", "creep", "hysteresis"}), "faster"),
     (frozenset({"low_pass"}), frozenset({"creep", "hysteresis"}), "faster"),
@@ -37,32 +37,32 @@ TELLS: Sequence[tuple[frozenset[str], frozenset[str], str]] = (
     (frozenset({"joint_compliance"}), frozenset({"backlash", "soft_ground"}), "torso_height"),
     (frozenset({"backlash"}), frozenset({"joint_offset", "hysteresis"}), "reversed"),
 )
-"""Effects, those that a motion tells from them, and the motion."""
+"""Effects, those that a motion separates from them, and the motion."""
 
 
 def propose(confused: Sequence[Candidate]) -> NextMotion | None:
     """The motion that separates the most of what is probable, by pairs of it.
 
     Returns:
-        None where less than two are confused, or no motion tells them apart: exact twins are told
-        by none.
+        None where less than two are confused, or no motion separates them: exact twins are never
+        separated.
     """
     worth: dict[str, float] = {}
-    told: dict[str, dict[str, None]] = {}
+    separated: dict[str, dict[str, None]] = {}
     for at, one in enumerate(confused):
         for other in confused[:at]:
             for motion in _motions(other, one):
                 worth[motion] = worth.get(motion, 0.0) + one.probability * other.probability
-                told.setdefault(motion, {}).update(dict.fromkeys((other.label, one.label)))
+                separated.setdefault(motion, {}).update(dict.fromkeys((other.label, one.label)))
     if not worth:
         return None
     best = max(worth, key=lambda motion: worth[motion])
-    return NextMotion(best, tuple(told[best]))
+    return NextMotion(best, tuple(separated[best]))
 
 
 def _motions(one: Candidate, other: Candidate) -> Iterator[str]:
-    """Each that tells two effects apart, wherever they are."""
-    for these, those, motion in TELLS:
+    """The one that separates two effects, wherever they are."""
+    for these, those, motion in SEPARATED_BY:
         if (one.effect in these and other.effect in those) or (
             other.effect in these and one.effect in those
         ):

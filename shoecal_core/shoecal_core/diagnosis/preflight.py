@@ -1,4 +1,4 @@
-"""What a session can tell, before anything is named: what it would not show, what looks alike.
+"""What is identifiable in a session: which effects it would not show, and which look alike.
 
 Columns are taken after the baseline has explained what it can of them: with the Gram matrix of the
 whitened columns in blocks of the baseline b and of hypotheses h, what is left is its Schur
@@ -29,7 +29,7 @@ FloatArray = NDArray[np.float64]
 MATTERS_M = 0.001
 """Mean change of the CoP from which any effect matters."""
 SEPARATE_FROM = 3.0
-"""Expected log evidence of one explanation over another from which they can be told apart."""
+"""Expected log evidence of one explanation over another from which they can be separated."""
 
 LARGE = 3.0
 """Times its prior: so large another explanation may be without it being held against it."""
@@ -37,7 +37,7 @@ LARGE = 3.0
 
 @dataclass(frozen=True)
 class Preflight:
-    """What cannot be seen, and what cannot be told apart.
+    """What cannot be seen, and what cannot be separated.
 
     Attributes:
         cannot_detect: effects that would not show at a size that matters, in words.
@@ -107,7 +107,7 @@ def _missing_channels(workspace: Workspace) -> list[str]:
     tracks = workspace.signal_model.samples.tracks
     lines = []
     if all(track.temperature is None for track in tracks):
-        lines.append("drifts with temperature: none was recorded, they are told by time alone")
+        lines.append("drifts with temperature: none was recorded, only drifts over time are found")
     if any(track.efforts is None for track in tracks):
         lines.append("off_axis_load: joint efforts were not recorded")
     if any(track.up is None for track in tracks):
@@ -198,11 +198,11 @@ def _alike(
 
 def _covering(cliques: Sequence[frozenset[int]]) -> Iterator[frozenset[int]]:
     """The largest ones, as many as it takes to hold every pair."""
-    told: set[tuple[int, int]] = set()
+    covered: set[tuple[int, int]] = set()
     for clique in sorted(cliques, key=lambda one: (-len(one), sorted(one))):
         pairs = set(combinations(sorted(clique), 2))
-        if pairs - told:
-            told |= pairs
+        if pairs - covered:
+            covered |= pairs
             yield clique
 
 

@@ -16,7 +16,7 @@ FORMAT = 1
 
 Verdict = Literal["no_gap", "explained", "ambiguous", "partly_explained", "unknown"]
 VERDICT_TEXTS: Mapping[Verdict, str] = {
-    "no_gap": "model and reality agree within what the sensors can tell",
+    "no_gap": "model and reality agree within the accuracy of the sensors",
     "explained": "one explanation accounts for the gap",
     "ambiguous": "several explanations account for the gap alike",
     "partly_explained": "what was found explains a part of the gap; something is left",
@@ -47,7 +47,7 @@ class Where:
     Attributes:
         signal: grf, cop_x, cop_y, closure, parity, air or tilt.
         foot, cell, joint, run, phase: None where it is not particular.
-        onset_s: when it begins, since the run's start [s]; None where it is always there.
+        onset_s: when it starts, since the run's start [s]; None where it is always there.
         share: of the whole excess, 0 to 1.
     """
 
@@ -192,7 +192,7 @@ class NextMotion:
 
     Attributes:
         motion: name in the catalogue.
-        separates: the labels of what it tells apart.
+        separates: the labels of what it separates.
     """
 
     motion: str
@@ -227,7 +227,7 @@ class Evidence:
         loaded: (T, 2) feet that carry load.
         support: (T, 3) right sole in the left sole's frame: x, y [m], yaw [rad].
         cop: (T, 2) modelled CoP in the frame of the stance: the left sole's, or the right
-            sole's while the left foot hangs; cop_x and cop_y are told in it too [m].
+            sole's while the left foot hangs; cop_x and cop_y are in it too [m].
         foot_cop: (T, 2, 2) measured one of each foot in its sole frame, NaN unloaded [m];
             foot_force: (T, 2) [N].
         outputs: (T, n) of the channels [N or N m].
@@ -262,11 +262,11 @@ class Diagnosis:
         gap: on the test runs.
         where: the largest shares first.
         causes: the explanation chosen, largest share first; empty for no_gap and unknown.
-        ambiguity: what cannot be told apart from the first cause, itself included; empty
+        ambiguity: what cannot be separated from the first cause, itself included; empty
             without a cause.
         ranking: all hypotheses that matter, the most probable first.
         cannot_detect: what this session could not show, in words.
-        cannot_separate: sets of labels that this session cannot tell apart.
+        cannot_separate: sets of labels that cannot be separated in this session.
         next_motion: None where nothing is confused, or no motion would separate it.
         train, test: numbers of the runs.
         notes: what was missing or left out, in words.

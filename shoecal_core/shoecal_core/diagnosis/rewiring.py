@@ -1,4 +1,4 @@
-"""Hypotheses that change what channels mean: they cannot be added, the fit is made anew."""
+"""Hypotheses that change what channels mean: they cannot be added, so the fit is repeated."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def rewired(
     settings: DiagnosisSettings,
     wanted: Callable[[str, Place], bool] = lambda _effect, _place: True,
 ) -> Exchange | None:
-    """The best other wiring, where it is clearly better; beside it the same is looked for.
+    """The best other wiring, where it is clearly better; all else is then looked for under it.
 
     Wrenches are linear in gains and offsets whatever the wiring, so a quick look is one linear
     least squares each; the best is then fitted in full.

@@ -57,7 +57,7 @@ class Rows:
         number: (G,) of each group among all there are (`spectrum`).
         noise: (G,) variance by noise.
         form: (G,) the same by the forms of as-built errors.
-        smooth: (G,) by what no model tells: a smooth term, as large as it usually is.
+        smooth: (G,) by what is not modelled: a smooth term, as large as it usually is.
         most: (G,) variance up to which a group may be more than was expected.
         precision: (p,) of the baseline's priors, at level 1.
         family: (p,) of as-built errors; -1 for all else.
@@ -184,7 +184,7 @@ def make_rows(
     measured = np.zeros_like(signal_model.residuals)
     measured[:, GRF], measured[:, COP] = signal_model.wrench[:, :1], signal_model.cop
     taken = coefficients(np.where(signal_model.mask, measured, 0.0))
-    # The mean of a stance does not tell how far the CoP moves.
+    # The mean of a stance does not contain how far the CoP moves.
     taken[np.isin(signal, np.r_[COP])[group] & (present[group] % BANDS == 0)] = 0.0
     white = np.maximum(white_noise(signal_model), least_noise(signal_model))[signal] ** 2
     smooth = form_error(signal_model, settings)[signal] ** 2 * colour(samples, frequency, settings)

@@ -42,7 +42,7 @@ BoolArray = NDArray[np.bool_]
 Part = tuple[Hypothesis, Form]
 
 COUNTS = 0.15
-"""Of an independent coefficient, what one of a signal counts: signals tell partly the same."""
+"""Of an independent coefficient, what one of a signal counts: signals are partly redundant."""
 FREEDOM = 5.0
 """Degrees of freedom by which a band's variance is known beforehand."""
 FORM = 0.25
@@ -78,7 +78,7 @@ class Scored:
         model_level: (G,) of what the model lacks in each signal.
         rest: (R,) coefficients that are left.
         other: with something else as well.
-        told: (G,) log likelihood of each group.
+        log_likelihood: (G,) of each group.
     """
 
     scorer: Scorer
@@ -92,7 +92,7 @@ class Scored:
     model_level: FloatArray
     rest: FloatArray
     other: bool
-    told: FloatArray
+    log_likelihood: FloatArray
 
     @property
     def columns(self) -> tuple[int, ...]:
@@ -118,7 +118,7 @@ class Scored:
 
     @cached_property
     def weighted(self) -> _Weighted:
-        """The baseline under its variances: what further hypotheses begin with."""
+        """The baseline under its variances: what further hypotheses start with."""
         return self.scorer.weighted(self.variance, self.levels)
 
     @cached_property
@@ -158,7 +158,7 @@ class _Weighted:
     half_log_volume: float
     precision: FloatArray
 
-    def beside(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def eliminate(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
         """(p, m) weighted columns (R, m) in terms of the baseline, and (m, m) what is left."""
         products = self.base.T @ (self.weight[:, None] * values)
         across = solve_triangular(self.factor, self.scale[:, None] * products, lower=True)
@@ -249,7 +249,7 @@ class Scorer:
         """Fit, find the variances, fit again; levels follow from what was found.
 
         Args:
-            start: a fit to begin with, or variances (G,) and levels (F,).
+            start: a fit to start with, or variances (G,) and levels (F,).
             without: (R,) what was left without the parts.
         """
         rows = self.rows
@@ -267,7 +267,7 @@ class Scorer:
                 levels = self._levels(weighted, found.vector)
                 weighted = self.weighted(found.variance, levels)
             values = np.column_stack((columns, rows.residuals)) * weighted.weight[:, None]
-            across, left = weighted.beside(values)
+            across, left = weighted.eliminate(values)
             inner = np.eye(count) + left[:count, :count] * np.outer(std, std)
             root = np.linalg.cholesky(inner)
             sizes = std * cho_solve((root, True), std * left[:count, count])
@@ -279,14 +279,14 @@ class Scorer:
             known = rows.noise + form_level**2 * rows.form
             power = rows.squares(rest) / rows.scales(vector + rows.away, self.channels) ** 2
             lacking = rows.smooth + FORM**2 * own
-            variance, expected, model_level, told = self._variance(power, known, lacking, other)
+            variance, expected, model_level, likely = self._variance(power, known, lacking, other)
             prior = 0.5 * float((vector**2 * weighted.precision).sum())
             prior += 0.5 * float(((sizes / std) ** 2).sum())
             volume = weighted.half_log_volume + float(np.log(np.diag(root)).sum())
-            evidence = float(told.sum()) - prior - volume - _level_cost(levels, form_level)
+            evidence = float(likely.sum()) - prior - volume - _level_cost(levels, form_level)
             found = Scored(
                 self, tuple(parts), np.concatenate((vector, sizes)), evidence, levels, form_level,
-                variance, expected, model_level, rest, other, told,
+                variance, expected, model_level, rest, other, likely,
             )  # fmt: skip
         assert found is not None
         return replace(found, vector=self._whole(chosen) @ found.vector)
@@ -315,7 +315,7 @@ class Scorer:
             Variances, what was expected of them, levels, and log likelihoods.
         """
         rows = self.rows
-        variance, level, told = (np.empty_like(power) for _ in range(3))
+        variance, level, log_likelihood = (np.empty_like(power) for _ in range(3))
         for signal in np.unique(rows.signal):
             here = rows.signal == signal
             share = 1.0 / np.count_nonzero(here)
@@ -330,8 +330,8 @@ class Scorer:
                 likely -= share * (ELSE_COST if one > 1.0 else 0.5 * math.log(one) ** 2)
                 if float(likely.sum()) > best:
                     best = float(likely.sum())
-                    variance[here], level[here], told[here] = found, usual, likely
-        return variance, known + level**2 * lacking, level, told
+                    variance[here], level[here], log_likelihood[here] = found, usual, likely
+        return variance, known + level**2 * lacking, level, log_likelihood
 
     def _most_probable(
         self, power: FloatArray, expected: FloatArray, here: BoolArray | slice = slice(None)
@@ -341,24 +341,24 @@ class Scorer:
         free = (FREEDOM * expected + power) / (FREEDOM + count)
         variance = np.clip(free, expected, expected + most)
         ratio = variance / expected
-        told = -0.5 * count * np.log(variance) - 0.5 * power / variance
-        told -= 0.5 * FREEDOM * (np.log(ratio) + 1.0 / ratio - 1.0)
-        return variance, told
+        likely = -0.5 * count * np.log(variance) - 0.5 * power / variance
+        likely -= 0.5 * FREEDOM * (np.log(ratio) + 1.0 / ratio - 1.0)
+        return variance, likely
 
     def _levels(self, weighted: _Weighted, vector: FloatArray) -> FloatArray:
-        """(F,) most probable levels of as-built errors, by those that the signals tell of.
+        """(F,) most probable levels of as-built errors, by those that the signals determine.
 
         The fixed point of MacKay (Neural Computation 4:415, 1992).
         """
         rows = self.rows
         inverse = solve_triangular(weighted.factor, np.diag(weighted.scale), lower=True)
-        told = 1.0 - (inverse**2).sum(axis=0) * weighted.precision
-        size = vector[: len(told)] ** 2 * rows.precision
+        determined = 1.0 - (inverse**2).sum(axis=0) * weighted.precision
+        size = vector[: len(determined)] ** 2 * rows.precision
         found = np.empty(len(rows.most_level))
         for family, most in enumerate(rows.most_level):
             own = rows.family == family
             total = size[own].sum() + LEVEL_FREEDOM * LEVEL**2
-            level = math.sqrt(total / (told[own].sum() + LEVEL_FREEDOM))
+            level = math.sqrt(total / (determined[own].sum() + LEVEL_FREEDOM))
             found[family] = min(max(level, LEAST_LEVEL), most)
         return found
 
@@ -374,7 +374,7 @@ class Scorer:
         return found
 
     def gains(
-        self, hypotheses: Sequence[Hypothesis], beside: Scored | None = None
+        self, hypotheses: Sequence[Hypothesis], kept: Scored | None = None
     ) -> list[tuple[float, Sequence[Part]]]:
         """Of each hypothesis how much it explains, and the forms that explain most: a quick look.
 
@@ -382,10 +382,10 @@ class Scorer:
         make no sense are left out.
 
         Args:
-            beside: an explanation that stays; None: nothing.
+            kept: an explanation that stays; None: nothing.
         """
-        beside = self.nothing if beside is None else beside
-        lefts = [self._left(one) for one in (beside, beside.strict)]
+        kept = self.nothing if kept is None else kept
+        lefts = [self._left(one) for one in (kept, kept.strict)]
         found: list[tuple[float, Sequence[Part]]] = []
         for hypothesis in hypotheses:
             best = [one for left in lefts if (one := _best(left, hypothesis)) is not None]
@@ -394,14 +394,14 @@ class Scorer:
                 found.append((max(gain for gain, _ in best), tuple(forms.values())))
         return found
 
-    def _left(self, beside: Scored) -> FloatArray:
+    def _left(self, kept: Scored) -> FloatArray:
         """(k + 1, k + 1) products of columns and residuals, less what an explanation takes."""
-        weighted, rows = beside.weighted, self.rows
+        weighted, rows = kept.weighted, self.rows
         values = np.column_stack((rows.columns, rows.residuals)) * weighted.weight[:, None]
-        _, left = weighted.beside(values)
-        if beside.parts:
-            own = np.array(beside.columns, dtype=np.int64)
-            inner = left[np.ix_(own, own)] + np.diag(beside.std**-2.0)
+        _, left = weighted.eliminate(values)
+        if kept.parts:
+            own = np.array(kept.columns, dtype=np.int64)
+            inner = left[np.ix_(own, own)] + np.diag(kept.std**-2.0)
             left = left - left[:, own] @ np.linalg.solve(inner, left[own])
         return left
 

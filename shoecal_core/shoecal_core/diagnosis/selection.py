@@ -60,7 +60,7 @@ class Selection:
 
     Attributes:
         chosen: all causes together; None when nothing is needed, or nothing known suffices.
-        alternatives: of each cause, every hypothesis in its place beside the other causes, the
+        alternatives: for each cause, every hypothesis in its place with the other causes kept, the
             most probable first, with the logarithm of its probability against having none there.
         singles: every hypothesis by itself, the most probable first.
         other: logarithm of the probability that something moves CoP or GRF that was not chosen,
@@ -99,7 +99,7 @@ def select(workspace: Workspace, settings: DiagnosisSettings) -> Selection:
         if at is None:
             break
         if chosen is None:
-            # What explains nearly nothing, however surely, stands in nobody's place.
+            # What explains nearly nothing, however surely, is no alternative.
             singles = singles[at:]
         chosen = ranked[at].scored
         if len(chosen.parts) < settings.causes_max:
@@ -180,7 +180,7 @@ def judged(
     most: int = LOOKED_AT,
     each: int | None = PLACES_EACH,
 ) -> list[Judged]:
-    """Hypotheses that make sense beside others that stay, the most probable first.
+    """Hypotheses that make sense in addition to others that stay, the most probable first.
 
     Args:
         company: what stays; None: a robot as built.
@@ -203,8 +203,8 @@ def judged(
         if each is not None and seen[effect] >= each:
             continue
         seen[effect] += 1
-        beside = company.parts if company is not None else ()
-        ways = [_best_way(workspace, (*beside, part), company) for part in forms]
+        kept = company.parts if company is not None else ()
+        ways = [_best_way(workspace, (*kept, part), company) for part in forms]
         scored = max((way for way in ways if way is not None), key=value, default=None)
         if scored is not None:
             before = company or (scorer.other if scored.other else scorer.nothing)
@@ -222,7 +222,7 @@ def value(scored: Scored) -> float:
 def added_evidence(scored: Scored, before: Scored) -> float:
     """Log likelihood by which CoP and GRF are better explained than before."""
     here = np.isin(scored.scorer.rows.signal, np.r_[GRF, COP])
-    return float((scored.told - before.told)[here].sum())
+    return float((scored.log_likelihood - before.log_likelihood)[here].sum())
 
 
 def material(workspace: Workspace, scored: Scored, settings: DiagnosisSettings) -> bool:
@@ -249,9 +249,9 @@ def _moves(workspace: Workspace, added: FloatArray, runs: Sequence[int]) -> floa
 
 
 def _best_way(workspace: Workspace, parts: Sequence[Part], company: Scored | None) -> Scored | None:
-    """With nothing or with something else besides, whichever is more probable."""
+    """Without or with something else in addition, whichever is more probable."""
     scorer = workspace.scorer
-    # Where nothing else is seen, nothing else is seen beside an effect.
+    # Where nothing else is seen, nothing else is seen next to an effect.
     seen = scorer.other.evidence > 0.0 if company is None else company.other
     both = (False, True) if seen else (False,)
     ways = [scorer.score(parts, other=other, start=company) for other in both]

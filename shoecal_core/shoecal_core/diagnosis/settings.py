@@ -20,7 +20,7 @@ class DiagnosisSettings(SignalSettings):
         minimum=1e-6, maximum=0.5,
     )  # fmt: skip
     material_m: float = setting(
-        0.0002, "m", "errors of the CoP below this matter to nobody; of GRF the same share of the "
+        0.0002, "m", "errors of the CoP below this do not matter; of GRF the same share of the "
         "weight as this is of 0.1 m", minimum=0.0,
     )  # fmt: skip
     set_share: float = setting(
@@ -31,5 +31,5 @@ class DiagnosisSettings(SignalSettings):
 
     @property
     def material_share(self) -> float:
-        """Errors of a force below this share of the weight matter to nobody."""
+        """Errors of a force below this share of the weight do not matter."""
         return self.material_m / ARM_M

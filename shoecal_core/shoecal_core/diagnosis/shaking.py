@@ -1,4 +1,4 @@
-"""Recordings of a robot that shook: what is told from them may come of the shaking."""
+"""Recordings of a robot that shook: what is found in them may be caused by the shaking."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from shoecal_core.screening.spikes import find_leaps
 from shoecal_core.screening.standing import LEAST_LEAP_STDS
 
 MUCH = 0.1
-"""Share of the samples from which it is told."""
+"""Share of the samples from which it is reported."""
 
 
 def shaking(signal_model: SignalModel) -> list[str]:
@@ -30,9 +30,9 @@ def shaking(signal_model: SignalModel) -> list[str]:
     if mean < MUCH:
         return []
     most = max(shares, key=lambda run: shares[run])
-    told = (
+    text = (
         f"the robot shook: readings of several cells leap for {mean:.0%} of the samples (run "
-        f"{most}: {shares[most]:.0%}); what is said here may come of it: see that gears and floor "
-        "are firm, and record again"
+        f"{most}: {shares[most]:.0%}), which may cause what is found here: see that gears and "
+        "floor are firm, and record again"
     )
-    return [told]
+    return [text]

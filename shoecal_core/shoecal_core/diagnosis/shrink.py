@@ -19,7 +19,7 @@ DRAWS = 400
 
 
 def gap(workspace: Workspace, rest: FloatArray) -> Gap:
-    """Errors against the model on the test runs, of residuals (T, s), and their floor."""
+    """Errors against the model on the test runs [mm, N], of residuals (T, s), and their floor."""
     cop, grf = maes(workspace, rest, judged(workspace))
     noise = workspace.floor
     return Gap(
@@ -72,12 +72,12 @@ def shrink(workspace: Workspace, before: FloatArray, after: FloatArray) -> Shrin
 
 
 def excess(workspace: Workspace, rest: FloatArray, runs: Sequence[int]) -> float:
-    """Mean square of the whitened errors of GRF and CoP on some runs, less their floor."""
+    """Mean square of the whitened errors (T, s) of GRF and CoP on some runs, less their floor."""
     return squares(workspace, rest, runs) - 1.0
 
 
 def squares(workspace: Workspace, rest: FloatArray, runs: Sequence[int]) -> float:
-    """Mean square of the whitened errors of GRF and CoP on some runs."""
+    """Mean square of the whitened errors (T, s) of GRF and CoP on some runs."""
     return float(_squares(workspace, rest, workspace.rows_of(runs)).mean())
 
 

@@ -53,11 +53,11 @@ def _size(component: Component, value: float, deviation: float, form_error: floa
 def form_spread(workspace: Workspace, scored: Scored, index: int, name: str, value: float) -> float:
     """How far a component that forms hold may be off: as the evidence of the other forms says."""
     hypothesis, _ = scored.parts[index]
-    beside = [part for at, part in enumerate(scored.parts) if at != index]
+    others = [part for at, part in enumerate(scored.parts) if at != index]
     found = [
         (
             form.shape.fixed.get(name, value),
-            workspace.scorer.score([*beside, (hypothesis, form)]).evidence,
+            workspace.scorer.score([*others, (hypothesis, form)]).evidence,
         )
         for form in hypothesis.forms
     ]

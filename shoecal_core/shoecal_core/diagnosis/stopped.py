@@ -1,4 +1,4 @@
-"""A cell that gets stuck while others go on, for good or for a while: told by readings alone.
+"""A cell that gets stuck while others go on, for good or for a while: found by readings alone.
 
 What screening finds, a diagnosis finds: a cell whose readings follow from the others' by one law,
 and do not for some time. What it should have shown then follows from that law: with that in its
@@ -96,15 +96,15 @@ def stopped(samples: Samples) -> Stopped | None:
     runs = {one.run: reading_blocks(one.time, one.readings) for one in tracks}
     clock = np.concatenate([one.start + runs[one.run].time for one in tracks])
     # Halfway between blocks, the first one at the first sample.
-    begin = tracks[0].start + float(tracks[0].time[0])
-    moments = np.concatenate(([begin], 0.5 * (clock[1:] + clock[:-1]), [np.inf]))
+    start = tracks[0].start + float(tracks[0].time[0])
+    moments = np.concatenate(([start], 0.5 * (clock[1:] + clock[:-1]), [np.inf]))
     cells = places.vertical(samples.shoe).tolist()
     silent = dead(samples.shoe, runs)
     for channel in silent:
         if channel in cells and (law := _law_by_weight(samples, channel, silent)) is not None:
             first = _longest(away(samples.shoe, runs, channel))
             step = _step(clock, first)
-            return Stopped(channel, float(moments[first]), ((begin, np.inf),), step, 1.0, law)
+            return Stopped(channel, float(moments[first]), ((start, np.inf),), step, 1.0, law)
     found = halted(samples.shoe, runs, silent)
     at_end = {one.channel for one in ended(runs, found)}
     for halt in found:

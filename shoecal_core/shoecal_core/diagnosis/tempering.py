@@ -26,7 +26,7 @@ def needed(settings: DiagnosisSettings) -> float:
 
 
 def shares(logs: FloatArray | Sequence[float]) -> FloatArray:
-    """Probabilities of what has these logarithms of them, but for a constant."""
+    """(k,) probabilities from their logarithms (k,), all of them off by the same constant."""
     found = np.exp(np.asarray(logs) - np.max(logs))
     total: FloatArray = found / found.sum()
     return total

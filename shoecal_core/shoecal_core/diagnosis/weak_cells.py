@@ -1,4 +1,4 @@
-"""Cells that hardly answer, from the beginning on.
+"""Cells that hardly answer, from the start on.
 
 A gain makes up for that, so that no signal shows it: but cells of one shoe are of one kind.
 """
@@ -30,7 +30,7 @@ def weak_cells(workspace: Workspace, wanted: Callable[[str, Place], bool]) -> li
     """A stuck cell for each that shows but a small part of what it feels: the rest stays.
 
     Args:
-        wanted: tells of an effect and a place whether to look.
+        wanted: whether to look for an effect at a place.
     """
     signal_model = workspace.signal_model
     shoe = signal_model.samples.shoe

@@ -32,8 +32,8 @@ MOSTLY = 0.6
 def where(workspace: Workspace, rest: FloatArray, chosen: Scored | None) -> tuple[Where, ...]:
     """Shares of the excess over the noise on the test runs, the largest first.
 
-    What happens at one moment of one run is told of that run, in whichever set it is: causes that
-    were found, and steps of the closure, which need no fit.
+    What happens at one moment of one run is reported for that run, in whichever set it is: causes
+    that were found, and steps of the closure, which need no fit.
 
     Args:
         rest: (T, s) residuals with nothing added.
@@ -49,9 +49,9 @@ def where(workspace: Workspace, rest: FloatArray, chosen: Scored | None) -> tupl
     ]
     total = sum(size for _, _, size, _ in sums)
     found = _events(chosen, phases)
-    told = {event.run for event in found}
+    listed = {event.run for event in found}
     for step in closure_steps(signal_model):
-        if step.run not in told:
+        if step.run not in listed:
             during = phases[step.run]
             found.append(Where("closure", None, None, None, step.run, during, step.time, 0.0))
     for signal, foot, size, course in sums:

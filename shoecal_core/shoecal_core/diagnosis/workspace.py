@@ -99,19 +99,19 @@ class Workspace:
         return added
 
     def explained(self, scored: Scored | None) -> tuple[FloatArray, FloatArray]:
-        """Residuals (T, s) that a calibration leaves beside an explanation, and what that adds."""
+        """(T, s) residuals that calibration and explanation leave, (T, s) what the latter adds."""
         added = self.added(scored)
         return self.calibrated(self.signal_model.residuals - added), added
 
     def without(self, scored: Scored, index: int) -> FloatArray:
-        """(T, s) residuals that a calibration leaves beside all parts but one."""
+        """(T, s) residuals that a calibration leaves with all parts but one."""
         others = self.added(scored) - self.added(scored, scored.own(index))
         return self.calibrated(self.signal_model.residuals - others)
 
     @cached_property
     def floor(self) -> FloatArray:
-        """(s,) what the robot shows of each signal on runs left out, but for its fault: noise, and
-        errors as built as the training runs tell them, where a calibration leaves them.
+        """(s,) RMS that each signal would have on runs left out without the fault: noise, and what
+        a calibration leaves of the errors as built, as fitted to the training runs.
         """
         rows = self.rows_of(self.test or self.train)
         count = np.maximum(self.signal_model.mask[rows].sum(axis=0), 1)
@@ -128,7 +128,9 @@ class Workspace:
 
     @cached_property
     def left_of_errors(self) -> tuple[IntArray, FloatArray]:
-        """Columns of errors as built, and (e, T', s) what a calibration leaves of them there."""
+        """(e,) columns of errors as built, and (e, T', s) what a calibration leaves of them on
+        the T' samples of runs left out.
+        """
         signal_model, rows = self.signal_model, self.rows_of(self.test or self.train)
         errors = np.flatnonzero(signal_model.built | ~signal_model.shared)
         left = self.calibrated(signal_model.baseline[errors])[:, rows] * signal_model.mask[rows]

@@ -25,7 +25,7 @@ AXES = ("x", "y")
 PLATES_FORM = 0.2
 """Part of what plates carry that is in no proportion to the moment."""
 SENSOR_LEVER_M = 0.05
-"""Range of torques over that of forces in six-axis sensors: crosstalk is told of full scales."""
+"""Range of torques over that of forces in six-axis sensors: crosstalk is given of full scales."""
 FEWEST_CELLS = 3
 """Of a foot whose plates may carry a part of the moment past its cells."""
 
@@ -57,7 +57,7 @@ def of_shoes(signal_model: SignalModel, tolerances: Tolerances) -> list[Deviatio
 
 
 def of_setup(signal_model: SignalModel, tolerances: Tolerances) -> list[Deviation]:
-    """Of the floor, and of shoes as they were put on: what cells and stances hardly tell."""
+    """Of the floor, and of shoes as they were put on: what cells and stances hardly show."""
     crosstalk = geometry.Crosstalk()
     axes = set(_coupled_axes(signal_model.samples.shoe))
     cells = [place for place in crosstalk.places(signal_model) if place not in axes]

@@ -20,7 +20,7 @@ FloatArray = NDArray[np.float64]
 ALL = "all"
 Place = tuple[str, ...]
 USUAL_WEIGHT = 52.0
-"""N; of the robots that priors are told for."""
+"""N; weight of the robots that the priors are given for."""
 FORCES = {
     "kg": 1, "N": 1, "N/s": 1, "N/K": 1, "1/N": -1, "1/N^2": -2, "rad/(N m)": -1,
 }  # fmt: skip
@@ -41,7 +41,7 @@ class Component:
             `USUAL_WEIGHT`; units with forces in them grow with the robot.
         least: below this it makes no sense.
         form: how much more than others it hangs on the form that reality has it in (times FORM).
-        blur: what no session could tell of it, as a standard deviation in its unit.
+        blur: least uncertainty in any session: a standard deviation in its unit.
         most: what is larger, either way, is not this effect; by default nothing is.
         as_built: setting of `Tolerances` that says how far a robot that works may be off; empty
             for what is normally not there at all.
@@ -96,7 +96,7 @@ class Shape:
         columns: (len(free), T, s) signals a unit.
         fixed: components that this form holds at a value.
         run: the run that it happens in; None: in all.
-        onset: when it begins there [s]; None: always there.
+        onset: when it starts there [s]; None: always there.
         signal_model: that it belongs to, where it changes what channels mean; None: the one that
             was given.
         scale: a component's value is the fitted number times this (1 where not listed).
@@ -182,7 +182,7 @@ def deviations(
 
 
 def lower_bounds(effect: Effect, names: tuple[str, ...]) -> FloatArray:
-    """Least values of some components; of a factor that is no component LEAST_FACTOR.
+    """(k,) least values of k components; LEAST_FACTOR for a factor that is no component.
 
     Such a factor says how much of the effect's own fixed form is there.
     """
@@ -191,7 +191,7 @@ def lower_bounds(effect: Effect, names: tuple[str, ...]) -> FloatArray:
 
 
 def stds(effect: Effect, names: tuple[str, ...], weight: float) -> FloatArray:
-    """Priors of some components on a robot of this weight [N]; 1 for what is no component."""
+    """(k,) priors of k components on a robot of this weight [N]; 1 for what is no component."""
     known = {
         component.name: component.std * (weight / USUAL_WEIGHT) ** FORCES.get(component.unit, 0)
         for component in effect.components
@@ -200,7 +200,7 @@ def stds(effect: Effect, names: tuple[str, ...], weight: float) -> FloatArray:
 
 
 def upper_bounds(effect: Effect, names: tuple[str, ...], weight: float) -> FloatArray:
-    """Largest values of some components on a robot of this weight [N]; as for `stds`."""
+    """(k,) largest values of k components on a robot of this weight [N]; as for `stds`."""
     own = {component.name: component for component in effect.components}
     shares = [
         np.inf

@@ -1,4 +1,4 @@
-"""What the robot's body tells of each sample: places of links, torques, Jacobians."""
+"""The robot's body at each sample: places of links, torques, Jacobians."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class JointJacobians:
     Attributes:
         cop: (T, 2, m) of the modelled CoP in the stance's frame [m/rad].
         closure: (T, 6, m) of the right sole's pose in the left's [m/rad, 1].
-        tilt: (T, 2, m) of upwards (x, y) in the stance's sole frame, as an IMU tells it [1].
+        tilt: (T, 2, m) of upwards (x, y) in the stance's sole frame, as an IMU measures it [1].
     """
 
     cop: FloatArray
@@ -156,6 +156,6 @@ def links(samples: Samples, foot_wrenches: FloatArray) -> Links:
 
 
 def driven_together(robot: Robot, joint: int) -> list[tuple[int, float]]:
-    """A joint and those on its motor, with their ratios: one encoder tells of all."""
+    """A joint and those on its motor, with their ratios: one encoder measures them all."""
     shared = [(one.joint, one.ratio) for one in robot.shared if one.leader == joint]
     return [(joint, 1.0), *shared]

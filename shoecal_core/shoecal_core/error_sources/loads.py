@@ -1,4 +1,4 @@
-"""What shoes and joints bear, told by the channels under one set of gains and offsets."""
+"""What shoes and joints bear, by the channels under one set of gains and offsets."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ class Loads:
 
     @property
     def usual_range(self) -> FloatArray:
-        """(n,) of the outputs in the median run, while both feet stand."""
+        """(n,) of the outputs in the median run, while both feet stand [N or N m]."""
         samples = self.samples
         ranges = [
             np.ptp(self.outputs[here], axis=0)
@@ -128,14 +128,14 @@ class Loads:
     def torque(self) -> FloatArray:
         """(T, m) that the joints hold with [N m].
 
-        As the robot tells it, where it does; of joints on one motor it tells but the sum, so these
-        and all others are what the vertical forces on the feet ask for.
+        As the robot reports it, where it does; of joints on one motor it reports only the sum, so
+        these and all others are what the vertical forces on the feet require.
         """
         samples = self.samples
         torque = self.links.torque.copy()
         if all(track.efforts is not None for track in samples.tracks):
-            told = samples.decimated(lambda track: np.asarray(track.efforts))
+            efforts = samples.decimated(lambda track: np.asarray(track.efforts))
             shared = {one for pair in samples.robot.shared for one in (pair.joint, pair.leader)}
             own = [joint for joint in samples.robot.moved.tolist() if joint not in shared]
-            torque[:, own] = told[:, own]
+            torque[:, own] = efforts[:, own]
         return torque

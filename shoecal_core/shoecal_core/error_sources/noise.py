@@ -18,13 +18,13 @@ WHITE = (1.0, -4.0, 6.0, -4.0, 1.0)
 HALF_WITHIN = 0.6745
 """Standard deviations within which half of all normal numbers lie."""
 WALKING = 30.0
-"""Times the errors of a model of a robot that stands: dynamics are foretold far worse."""
+"""Times the errors of a model of a robot that stands: dynamics are predicted far worse."""
 JOLT_S, JOLT_STDS = 1.0, 10.0
 """A jolt is over within half of this, and is so many times what usually is that short."""
 
 
 def least_noise(signal_model: SignalModel) -> FloatArray:
-    """(s,) noise that no fit may go below.
+    """(s,) noise that no fit may go below, in the signals' units.
 
     A foot that swings pulls at its sensor: what varies there is noise to a model of a foot at
     rest, however small gains would make it. Taken from the first guess of the gains.
@@ -44,7 +44,7 @@ def least_noise(signal_model: SignalModel) -> FloatArray:
 
 
 def model_error(signal_model: SignalModel, settings: SignalSettings) -> FloatArray:
-    """(s,) what each signal is off when soles lean by `model_error_rad`."""
+    """(s,) what each signal is off when soles lean by `model_error_rad`, in its unit."""
     lean = settings.model_error_rad
     height = float(np.median(signal_model.samples.states.com[:, 0, 2]))
     weight = float(np.median(signal_model.samples.force))
@@ -59,7 +59,7 @@ def model_error(signal_model: SignalModel, settings: SignalSettings) -> FloatArr
 
 
 def form_error(signal_model: SignalModel, settings: SignalSettings) -> FloatArray:
-    """(s,) what no model tells of each signal: more where the robot walks."""
+    """(s,) what is not modelled of each signal, in its unit: more where the robot walks."""
     error = model_error(signal_model, settings)
     return np.maximum(error, WALKING * error) if signal_model.samples.walks.any() else error
 
@@ -76,7 +76,7 @@ def colour(samples: Samples, frequency: FloatArray, settings: SignalSettings) ->
 
 
 def white_noise(signal_model: SignalModel) -> FloatArray:
-    """(s,) standard deviation of what has no memory from sample to sample.
+    """(s,) standard deviation of what has no memory from sample to sample, in the signals' units.
 
     By fourth differences within segments, which smooth signals do not have; a median, as a jolt
     is no noise either. Zero for a signal that is too short.

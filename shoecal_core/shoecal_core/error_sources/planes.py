@@ -1,4 +1,4 @@
-"""Planes of cells below a stiff plate: three of four tell the fourth."""
+"""Planes of cells below a stiff plate: three of four determine the fourth."""
 
 from __future__ import annotations
 

@@ -62,7 +62,7 @@ class Responses(Loads):
         return there & ~self.outliers
 
     def by_outputs(self, change: FloatArray, *, settled: bool = True) -> FloatArray:
-        """(T, s) when channels show `change` (T, n) more than the force they feel."""
+        """(T, s) when channels show `change` (T, n) [N or N m] more than the load they feel."""
         added = np.einsum("tn,tnw->tw", change, self.per_sample)
         found = self.by_wrench(added, settled=False)
         feet = np.stack([change @ self.wiring.of_foot(foot) for foot in (0, 1)], axis=1)
@@ -71,7 +71,7 @@ class Responses(Loads):
         return self.settled(found) if settled else found
 
     def by_wrench(self, change: FloatArray, *, settled: bool = True) -> FloatArray:
-        """(T, s) when the wrench measured on what stands has `change` (T, 3) more."""
+        """(T, s) when the wrench measured on what stands has `change` (T, 3) [N, N m] more."""
         force = np.maximum(self.wrench[:, 0], 0.2 * self.samples.force)
         found = np.zeros((len(change), len(SIGNALS)))
         found[:, 0] = change[:, 0]
@@ -80,7 +80,7 @@ class Responses(Loads):
         return self.settled(found) if settled else found
 
     def by_angles(self, change: FloatArray) -> FloatArray:
-        """(T, s) when encoders show `change` (T, m) more than the true angles."""
+        """(T, s) when encoders show `change` (T, m) [rad] more than the true angles."""
         found = np.zeros((len(change), len(SIGNALS)))
         found[:, COP] = -np.einsum("tim,tm->ti", self.jacobians.cop, change)
         found[:, CLOSURE] = np.einsum("tim,tm->ti", self.jacobians.closure, change)
@@ -91,7 +91,7 @@ class Responses(Loads):
         return self.settled(found)
 
     def by_support(self, change: FloatArray) -> FloatArray:
-        """(T, s) when the right foot is taken to stand (T, 3) dx, dy, dtheta further."""
+        """(T, s) when the right foot is taken to stand (T, 3) dx, dy [m], dtheta [rad] further."""
         samples = self.samples
         both = samples.both
         force, about_x, about_y = self.foot_wrenches[:, 1].T
@@ -104,7 +104,7 @@ class Responses(Loads):
         return self.by_wrench(np.where(both[:, None], wrench, 0.0))
 
     def by_model(self, force: FloatArray | float, cop: FloatArray) -> FloatArray:
-        """(T, s) when truly the force (T,) is more than expected, and the CoP is off by (T, 2)."""
+        """(T, s) when force and CoP truly are (T,) [N] and (T, 2) [m] more than expected."""
         found = np.zeros((len(cop), len(SIGNALS)))
         found[:, 0] = force
         found[:, COP] = cop
@@ -148,7 +148,7 @@ class Responses(Loads):
     # What of it counts
 
     def settled(self, values: FloatArray) -> FloatArray:
-        """Signals as they count: where a foot stands is only known not to change.
+        """(T, s) signals as they count: where a foot stands is only known not to change.
 
         That soles stand flat is known as well, but for a robot that walks.
         """
@@ -159,5 +159,5 @@ class Responses(Loads):
         return np.where(self.mask, values, 0.0)
 
     def hanging(self, feet: FloatArray) -> FloatArray:
-        """(T, 3) wrench of the foot in the air, of both feet's (T, 2, 3)."""
+        """(T, 3) wrench of the foot in the air, of both feet's (T, 2, 3) [N, N m]."""
         return np.where(self.samples.loaded[:, :1], feet[:, 1], feet[:, 0])

@@ -26,7 +26,7 @@ class SignalSettings(SampleSettings):
         "share of their third direction", minimum=0.0,
     )  # fmt: skip
     model_error_rad: float = setting(
-        6e-4, "rad", "errors that any model has, as if soles leant by this", minimum=0.0
+        6e-4, "rad", "errors that any model has, as a tilt of the soles", minimum=0.0
     )
     model_error_s: float = setting(2.0, "s", "for how long such errors stay alike", minimum=1e-3)
     joint_zero_rad: float = setting(

@@ -74,7 +74,7 @@ class SignalModel(Responses):
 
     @cached_property
     def residuals(self) -> FloatArray:
-        """(T, s) measured minus modelled; zero where a signal is not there."""
+        """(T, s) measured minus modelled, in the signals' units; zero where a signal is missing."""
         samples = self.samples
         found = np.zeros((len(samples.run), len(SIGNALS)))
         found[:, GRF] = (self.wrench[:, 0] - samples.force)[:, None]
@@ -99,7 +99,7 @@ class SignalModel(Responses):
         change = np.zeros_like(self.outputs)
         change[:, channel] = values
         column = self.by_outputs(change, settled=False)
-        # Which way a plane leans is found from the outputs; gains do not tell it.
+        # Which way a plane leans is found from the outputs, whatever the gains.
         column[:, PARITY] = 0.0
         return column
 
@@ -123,7 +123,7 @@ class SignalModel(Responses):
                 others = np.linalg.svd(self.planes[foot, own][None])[2][1:]
                 for values in (*(self.outputs[:, own] @ others.T).T, np.ones(count)):
                     add(PARITY.start + foot, values, FREE)
-        # Accelerations move the zero-moment point; how much, a rigid body tells roughly.
+        # Accelerations move the zero-moment point; how much is roughly as of a rigid body.
         if not self.fast:
             found.append(Nuisance(self.dynamic, FREE))
         for axis in range(TILT.start, TILT.stop):
@@ -152,7 +152,7 @@ class SignalModel(Responses):
 
     @cached_property
     def zero_errors(self) -> FloatArray:
-        """(3,) of height, roll and pitch between the soles, by what joints' zeros are off."""
+        """(3,) of height [m], roll and pitch [rad] between the soles, by errors of joint zeros."""
         answer = self.jacobians.closure[:, FLAT_OF_CLOSURE]
         spread: FloatArray = np.sqrt(np.mean(np.sum(answer**2, axis=2), axis=0))
         return self.zero_std * spread
@@ -165,7 +165,7 @@ class SignalModel(Responses):
 
     @cached_property
     def standing_errors(self) -> FloatArray:
-        """(s,) standard deviation of what a stance adds to each signal by itself.
+        """(s,) standard deviation of what a stance adds to each signal by itself, in its unit.
 
         From the encoders' steps, each joint by itself; the vertical force has the scatter of a
         robot that braces its legs against each other.

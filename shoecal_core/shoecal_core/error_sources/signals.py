@@ -1,13 +1,13 @@
 """The signals that a gap shows in, and what the fitted parameters add to them.
 
 Signals are measured minus modelled. The first three are the calibration's own residuals, each
-of the others needs no force sensor, or no model, and so tells other effects apart:
+of the others needs no force sensor, or no model, and so separates other effects:
 
 - grf, cop_x, cop_y: of both feet together, in the stance's frame;
 - air_f, air_mx, air_my: the wrench of a foot in the air, which should be zero;
 - closure: pose of the right sole in the left's, by the joints: constant while both stand, and
   on one floor without height, roll and pitch;
-- parity: of four cells below a stiff plate three tell the fourth;
+- parity: of four cells below a stiff plate three determine the fourth;
 - tilt: upwards by the IMU, in the sole frame by the joints: along z on a level floor.
 """
 

@@ -1,6 +1,6 @@
 """Signals by frequency: cosine coefficients of each stance, in bands.
 
-What no model tells is alike for seconds, sensor noise is not, so that what counts as small depends
+Model errors are correlated over seconds, sensor noise is not, so that what counts as small depends
 on the frequency. A discrete cosine transform (type II, orthonormal) of each stance makes
 coefficients that are nearly independent whatever the noise's spectrum is.
 """
@@ -72,7 +72,7 @@ class BandTransform:
 
 
 def signals_of(groups: NDArray[np.int64]) -> NDArray[np.int64]:
-    """(G,) signal of each group."""
+    """(G,) index of the signal of each group."""
     return groups // BANDS
 
 

@@ -31,7 +31,7 @@ STAYS = 0.5
 ONSETS = 2
 """Moments in a run at which a slip is looked for."""
 EDGE = 5
-"""Samples at a run's ends among which no step can be told."""
+"""Samples at a run's ends among which no step can be detected."""
 
 
 @dataclass(frozen=True)

@@ -1,1 +1,1 @@
-"""Gains and offsets with everything that may be wrong beside them: fit, uncertainty, budget."""
+"""Gains and offsets with everything else that may be wrong: fit, uncertainty, budget."""

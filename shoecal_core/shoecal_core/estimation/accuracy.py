@@ -133,7 +133,7 @@ def check_promise(left: Misfit, expected: Misfit) -> list[Finding]:
         left: by the fit.
         expected: of both feet, by its covariance.
     """
-    told = [
+    excesses = [
         f"{name} {scale * found:.3g} {unit} where {scale * promised:.3g} {unit} is expected"
         for name, found, promised, scale, unit in (
             ("GRF", left.grf, expected.grf, 1.0, "N"),
@@ -141,12 +141,12 @@ def check_promise(left: Misfit, expected: Misfit) -> list[Finding]:
         )
         if found > PROMISED * promised
     ]
-    if not told:
+    if not excesses:
         return []
     return [
         Finding(
             "FAIL",
-            f"the fit contradicts its own runs: it leaves {' and '.join(told)} (RMS without "
+            f"the fit contradicts its own runs: it leaves {' and '.join(excesses)} (RMS without "
             "noise); something else than gains and offsets is wrong: see what shoecal diagnose "
             "finds",
         )
@@ -230,18 +230,18 @@ def _judged(
         if mae.count
     ]
     both = found[0].mean
-    told = (
+    text = (
         f"{name} is {scale * both:.2f} {unit} off its model on {label} runs"
         f"{' (' + ', '.join(each) + ')' if each else ''}, {both / whole:.1%} of "
         f"{'the weight' if force else 'half the width of a foot'} (limit {most:.0%})"
     )
     if limited and limit is not None:
-        told += (
+        text += (
             ": the model of the walk, not the sensor, is the limit: any calibration could win "
             f"{scale * max(both - left[0], 0.0):.2f} {unit} of it at most (within steps the CoP of "
             f"sensor and model move together with r = {limit.together[0]:.2f}); judge the sensor "
             "by slow motions in double support"
         )
     else:
-        told += ": check the robot's weight, the shoe file and that nothing touched the robot"
-    return [Finding(level, told)]
+        text += ": check the robot's weight, the shoe file and that nothing touched the robot"
+    return [Finding(level, text)]

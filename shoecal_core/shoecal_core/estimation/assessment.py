@@ -1,4 +1,4 @@
-"""What the data could tell about a calibration, and what they could not."""
+"""How certain a calibration is, and which of its directions the data identify."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Assessment:
         error_model: of the expected errors at any load.
         both, left, right: expected errors over the sensing polygons: see `ErrorModel`.
         budget: where they come from; None for a walk, whose model errors are not known.
-        told: what the data told by themselves: rank, singular values, weak directions.
+        told: what the data identify by themselves: rank, singular values, weak directions.
         support_to_add: double support that would fix weak directions best; None where none is
             weak, or the robot can stand in none.
         seen_std: (2n,) of gains and offsets without the patterns that no data show, as they
@@ -108,16 +108,16 @@ class Assessment:
                 "cop_std_mm": 1e3 * _rms(spread.cop_length),
                 "cop_worst_mm": 1e3 * float(np.nanmax(spread.cop_mean)),
             }
-        told, add = self.told, self.support_to_add
+        found, add = self.told, self.support_to_add
         return {
             "gain_ci95": dict(zip(shoe.names, width[:count].tolist(), strict=True)),
             "offset_ci95_n": dict(zip(shoe.names, width[count:-1].tolist(), strict=True)),
             "time_offset_ci95_s": float(width[-1]),
             "expected_error": expected,
-            "rank": told.rank,
-            "possible_rank": told.possible,
-            "singular_values": told.singular_values.tolist(),
-            "weak_directions": [weak.words for weak in told.weak],
+            "rank": found.rank,
+            "possible_rank": found.possible,
+            "singular_values": found.singular_values.tolist(),
+            "weak_directions": [weak.words for weak in found.weak],
             "supports_to_add": [] if add is None else [{"support": [add.dx, add.dy, add.dtheta]}],
             "load_range_n": dict(zip(shoe.names, self.load_range.T.tolist(), strict=True)),
             "budget": [] if self.budget is None else self.budget.to_json(),
@@ -164,7 +164,7 @@ def assess(
     planning = PlannerSettings(fixed_below=settings.fixed_below)
     information = stages.fit.information[: 2 * count, : 2 * count]
     known = relative_information(robot, shoe, parameters, information)
-    told = identifiability(robot, shoe, known, planning)
+    found = identifiability(robot, shoe, known, planning)
     # A gain may be negative: which reading is the lowest load is not known before.
     ends = [
         parameters.outputs(np.stack((each.readings.min(axis=0), each.readings.max(axis=0))))
@@ -177,8 +177,8 @@ def assess(
         left=left,
         right=right,
         budget=None if joint is None else budget(joint, errors, (both, left, right)),
-        told=told,
-        support_to_add=best_addition(robot, shoe, known, planning) if told.weak else None,
+        told=found,
+        support_to_add=best_addition(robot, shoe, known, planning) if found.weak else None,
         seen_std=_seen_std(robot, stages, covariance, planning),
         load_range=np.stack((np.min(ends, axis=(0, 1)), np.max(ends, axis=(0, 1)))),
     )

@@ -94,20 +94,20 @@ def check_axes(shoe: Shoe, stances: Sequence[Stance]) -> list[Finding]:
     """Axes to turn in the shoe file, with what speaks for it."""
     feet = sideways_axes(shoe, stances)
     findings = []
-    told = [
+    against = [
         f"{FEET[one.foot]}/{name} {one.slope[index, index]:+.2f} ± {one.half[index, index]:.2f}"
         for one in feet
         for index, name in enumerate(SIDEWAYS)
         if name in one.reversed
     ]
-    if told:
+    if against:
         findings.append(
             Finding(
                 "WARN",
                 f"these axes move against the sideways force (slope on mass times acceleration in "
                 f"single supports of {feet[0].runs} runs, 95 %; +1 if they were right): "
-                f"{', '.join(told)}; push the standing robot forward and to the left to see, then "
-                "reverse their polarity in the shoe file",
+                f"{', '.join(against)}; push the standing robot forward and to the left to see, "
+                "then reverse their polarity in the shoe file",
             )
         )
     findings += [

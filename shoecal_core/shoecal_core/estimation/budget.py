@@ -133,7 +133,7 @@ def _credible(shares: FloatArray) -> FloatArray:
 
 
 def unknowns(fit: JointFit) -> dict[str, NDArray[np.int64]]:
-    """Indices of the unknowns of each kind of source."""
+    """(k,) indices of the unknowns of each kind of source."""
     first = len(fit.vector)
     found: dict[str, list[int]] = {PRIOR: list(range(first - 1)), "time_offset": [first - 1]}
     for index, one in enumerate(fit.deviations, start=first):

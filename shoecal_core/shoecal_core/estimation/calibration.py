@@ -48,7 +48,7 @@ class Calibration:
         temperature: at calibration [degC], NaN where unknown.
         verdict: PASS, WARN or FAIL.
         reasons: what the verdict rests on.
-        fitted_runs: SHA-256 of the run files it was fitted to; empty where nobody knows.
+        fitted_runs: SHA-256 of the run files it was fitted to; empty where they are not known.
         columns: (n, 3) what one unit of each output adds to its foot's wrench, where that was
             calibrated, too (places of cells, crosstalk, plates); None: as the shoe's file says.
     """

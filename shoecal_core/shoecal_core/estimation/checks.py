@@ -11,7 +11,7 @@ from shoecal_core.estimation.initial_guess import InitialGuess
 from shoecal_core.planning.supports.identifiability import Identifiability
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.samples.zeros import Zero
-from shoecal_core.screening.verdict import MOST_TOLD, Finding, tell_reasons
+from shoecal_core.screening.verdict import MOST_LISTED, Finding, tell_reasons
 from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 
@@ -23,7 +23,7 @@ ZERO_WARN, ZERO_FAIL = 0.02, 0.05
 """What both feet show in the air, over the weight."""
 MOST_WIDTHS = 0.5
 """Expected CoP error, in half widths of the sensing polygon."""
-MOST_DIRECTIONS_TOLD = 3
+MOST_DIRECTIONS = 3
 """Directions without data in one reason; the report draws them all."""
 
 
@@ -78,34 +78,34 @@ def check_zeros(
         return []
     listed = "; ".join(
         f"run {run}: {', '.join(f'{foot} {force:+.0f} N' for foot, force in feet.items())}"
-        for run, feet in list(far.items())[:MOST_TOLD]
+        for run, feet in list(far.items())[:MOST_LISTED]
     )
     worst = max(off[run] for run in far) / weight
-    told = f"feet in the air do not read zero ({listed}; up to {worst:.0%} of the weight)"
+    text = f"feet in the air do not read zero ({listed}; up to {worst:.0%} of the weight)"
     if own:
         return [
             Finding(
                 "WARN",
-                f"{told} unless each run's own zeros are used, as here: apply this calibration "
+                f"{text} unless each run's own zeros are used, as here: apply this calibration "
                 "with them (evaluate --rezero, /shoe/rezero)",
             )
         ]
     return [
         Finding(
             "FAIL" if worst > ZERO_FAIL else "WARN",
-            f"{told}: their zeros have changed between runs; use each run's own (--rezero, live "
+            f"{text}: their zeros have changed between runs; use each run's own (--rezero, live "
             "/shoe/rezero)",
         )
     ]
 
 
 def check_missing(runs: Sequence[int]) -> list[Finding]:
-    """Runs that were begun and are gone."""
+    """Runs that were started and are gone."""
     return [Finding("WARN", missing_text(runs))] if runs else []
 
 
 def missing_text(runs: Sequence[int]) -> str:
-    """Runs that were begun and are gone, in words."""
+    """Runs that were started and are gone, in words."""
     if len(runs) == 1:
         return f"run {runs[0]} was begun but its file is gone: put it back"
     return f"runs {', '.join(map(str, runs))} were begun but their files are gone: put them back"
@@ -119,16 +119,16 @@ def check_changed(files: Sequence[str]) -> list[Finding]:
     ]
 
 
-def check_directions(told: Identifiability, add: DoubleSupport | None) -> list[Finding]:
+def check_directions(found: Identifiability, add: DoubleSupport | None) -> list[Finding]:
     """Directions that only the prior has fixed though other supports could fix them."""
-    if not told.weak or told.rank >= told.possible:
+    if not found.weak or found.rank >= found.possible:
         return []
     cure = _addition(add, "record more double supports with other yaws between the feet")
-    listed = tell_reasons([weak.words for weak in told.weak], MOST_DIRECTIONS_TOLD)
+    listed = tell_reasons([weak.words for weak in found.weak], MOST_DIRECTIONS)
     return [
         Finding(
             "WARN",
-            f"the data identify {told.rank} of {told.possible} directions, but not: {listed}; "
+            f"the data identify {found.rank} of {found.possible} directions, but not: {listed}; "
             f"{cure}",
         )
     ]
@@ -142,7 +142,7 @@ def _addition(add: DoubleSupport | None, otherwise: str) -> str:
 def check_expected(
     half_width: float, both: float, feet: Mapping[str, float], add: DoubleSupport | None
 ) -> list[Finding]:
-    """A CoP that is expected to be far off tells little about where in the foot it is.
+    """A CoP that is expected to be so far off that its place in the foot is hardly known.
 
     Args:
         half_width: from the middle to the nearer edge of the narrower sensing polygon [m].
@@ -154,12 +154,12 @@ def check_expected(
     large = {name: error for name, error in errors.items() if error > MOST_WIDTHS * half_width}
     if not large:
         return []
-    told = ", ".join(f"{1e3 * error:.0f} mm ({name})" for name, error in large.items())
+    listed = ", ".join(f"{1e3 * error:.0f} mm ({name})" for name, error in large.items())
     cure = _addition(add, "record more double supports")
     return [
         Finding(
             "FAIL",
-            f"the CoP is expected to be off by {told}, in a sensing polygon "
+            f"the CoP is expected to be off by {listed}, in a sensing polygon "
             f"{2e3 * half_width:.0f} mm wide: {cure}",
         )
     ]

@@ -32,7 +32,7 @@ LARGEST_UNIT = 2000.0
 
 
 def sheet_ratios(shoe: Shoe, parameters: ChannelParameters) -> FloatArray:
-    """(n,) size of each gain over its data sheet's; NaN where there is none."""
+    """(n,) ratio of each gain to its data sheet's; NaN where there is none."""
     sheet = np.array([abs(one.nominal_gain or np.nan) for one in shoe.channels])
     ratio: FloatArray = np.abs(parameters.gain) / sheet
     return ratio
@@ -72,17 +72,17 @@ def check_conflict(
     if not len(far):
         return []
     listed = ", ".join(f"{shoe.names[index]} {ratio[index]:.3g}" for index in far)
-    told = f"gains contradict their data sheets (share of it: {listed})"
+    text = f"gains contradict their data sheets (share of it: {listed})"
     if alone is not None:
         free = sheet_ratios(shoe, alone)
         vertical = np.flatnonzero(np.isfinite(free) & shoe.vertical)
         shown = vertical if len(vertical) else far
-        told += ", without the data sheets the data give " + ", ".join(
+        text += ", without the data sheets the data give " + ", ".join(
             f"{shoe.names[index]} {free[index]:.3g}" for index in shown
         )
-        told += _likely(free[shown])
+        text += _likely(free[shown])
     return [
-        Finding("FAIL", f"{told}; correct 'nominal_gain' in the shoe file, or take it out of there")
+        Finding("FAIL", f"{text}; correct 'nominal_gain' in the shoe file, or take it out of there")
     ]
 
 
@@ -142,13 +142,13 @@ def check_weight(
 def weight_text(weighed: Weighed, robot: Robot) -> str:
     """Both weights in words."""
     low, high = weighed.ci95
-    told = (
+    text = (
         f"by the data sheets of its sensors the robot weighs {weighed.kg:.1f} kg (95 %: {low:.1f} "
         f"to {high:.1f} kg, zeros of each run taken off), by its file {robot.mass:.1f} kg"
     )
     if abs(weighed.kg / robot.mass - 1.0) <= NOMINAL_SHARE:
-        return told
-    return f"{told}; put it on a scale, or try --weight-kg {weighed.kg:.1f}"
+        return text
+    return f"{text}; put it on a scale, or try --weight-kg {weighed.kg:.1f}"
 
 
 def check_data_sheets(
@@ -183,5 +183,5 @@ def check_data_sheets(
 
 
 def without_sheets(shoe: Shoe) -> Shoe:
-    """The same shoe, of whose gains nobody knows anything."""
+    """The same shoe without nominal gains."""
     return replace(shoe, channels=tuple(replace(one, nominal_gain=None) for one in shoe.channels))

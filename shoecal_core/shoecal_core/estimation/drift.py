@@ -1,4 +1,4 @@
-"""Is a calibration still right? Told from one standstill.
+"""Is a calibration still right? Checked in one standstill.
 
 Calibrated GRF and CoP may differ from weight and modelled CoP by what the calibration is uncertain
 of, and by what weight and model may be off. What is beyond both has drifted.
@@ -39,7 +39,7 @@ class UnloadedError(ShoecalError):
 
 @dataclass(frozen=True)
 class Drift:
-    """How far calibrated forces are off, beside how far they may be.
+    """How far calibrated forces are off, and how far they may be.
 
     Attributes:
         grf_error: GRF less the weight [N].
@@ -77,20 +77,20 @@ class Drift:
 
     @property
     def reason(self) -> str:
-        """Errors beside what is expected, in words."""
-        told = (
+        """Errors and what is expected, in words."""
+        text = (
             f"GRF is {self.grf_error:+.2f} N off the weight (expected within "
             f"{self.grf_limit:.2f} N), CoP {1e3 * self.cop_error:.1f} mm off the model "
             f"(within {1e3 * self.cop_limit:.1f} mm)"
         )
         if self.hanging:
-            told += (
+            text += (
                 f", the {self.hanging} foot in the air reads {self.hanging_error:+.2f} N "
                 f"(within {self.hanging_limit:.2f} N)"
             )
         if not self.covered:
-            told += "; the calibration states no uncertainty, so these are weight's and model's"
-        return told
+            text += "; the calibration states no uncertainty, so these are weight's and model's"
+        return text
 
 
 def shares_model(calibration: Calibration) -> bool:
@@ -138,7 +138,7 @@ def drift_of(
     *,
     false_alarm: float = FALSE_ALARM,
 ) -> Drift:
-    """What a comparison of a loaded robot tells; arguments as `check_drift`."""
+    """Drift by the comparison of a loaded robot, for raw readings (n,); see `check_drift`."""
     own = np.diag(found.variance(readings, calibration.covariance))
     variance = _expected(own[:3], found.tolerance[:3], shared=shares_model(calibration))
     normal = NormalDist().inv_cdf(1.0 - false_alarm / 2.0)

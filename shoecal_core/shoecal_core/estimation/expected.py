@@ -111,7 +111,7 @@ class ErrorModel:
         support_covariance: FloatArray,
         tolerances: Tolerances,
     ) -> ErrorModel:
-        """With the tolerances of a robot."""
+        """With the tolerances of a robot; arrays as the attributes, a column (n, 3) a deviation."""
         count = len(shoe.names)
         return cls(
             robot,

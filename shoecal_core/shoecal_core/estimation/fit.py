@@ -27,7 +27,7 @@ from shoecal_core.shoe.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]
 MOST_SAMPLES = 20_000
-"""Of a least squares: errors of the model stay alike for seconds, so more samples tell no more."""
+"""Of a least squares: model errors are correlated over seconds, so more samples add nothing."""
 
 
 @dataclass(frozen=True)

@@ -60,7 +60,7 @@ class HistoryEntry:
 
     @property
     def force_channels(self) -> NDArray[np.int64]:
-        """Indices of the channels whose offsets are forces."""
+        """(k,) indices of the channels whose offsets are forces."""
         names = self.calibration.channels
         return np.flatnonzero([name.rpartition("/")[2] not in TORQUE_AXES for name in names])
 

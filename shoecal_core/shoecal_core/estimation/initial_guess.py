@@ -94,7 +94,7 @@ def _common_law(matrix: FloatArray, target: FloatArray) -> tuple[float, float]:
     solution, _, rank, _ = np.linalg.lstsq(matrix / scale, target, rcond=1e-9)
     if rank < 2:
         raise ShoecalError(
-            "the readings stay constant, so gain and offset cannot be told apart: "
+            "the readings stay constant, so gain and offset are not identifiable: "
             "record runs in which the robot moves"
         )
     c0, d0 = solution / scale

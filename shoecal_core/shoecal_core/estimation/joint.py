@@ -44,7 +44,7 @@ def joint_calibration(
     Args:
         samples: of all runs.
         train: runs to fit.
-        guess: where it begins, and what gains and offsets are believed to be about.
+        guess: where it starts, and what gains and offsets are believed to be about.
         settings, tolerances: of the calibration.
         known: of the shoe, by a manual calibration.
         hanging: what feet read in runs in which both are in the air.

@@ -43,7 +43,7 @@ RATE_HZ = 1.0
 """Of the means that are fitted."""
 COARSE, SETTLED = 1e-2, 1e-4
 """Largest step, in units of the parameters' priors, after which the derivatives of the body and
-the noise are taken anew, and at which the fit has settled."""
+the noise are computed again, and at which the fit has settled."""
 MAX_STEPS = 20
 EXACT_S = 1e-6
 """Standard deviation of a time offset that is held at zero."""
@@ -157,7 +157,7 @@ def fit_jointly(
     Args:
         samples: means of all runs.
         train: numbers of the runs to fit.
-        guess: gains and offsets that the priors are about, and to begin with.
+        guess: gains and offsets that the priors are about, and to start with.
         settings: priors, and the size of the form error.
         tolerances: how far robot and shoes may be off their files.
         time_offset_std_s: how far joints and readings may be apart in time [s].

@@ -1,4 +1,4 @@
-"""What a manual calibration tells of a shoe before the robot moves.
+"""What is known of a shoe by a manual calibration before the robot moves.
 
 Its gains, and where each foot's CoP is for loads on it: the second says where cells and plates
 truly carry, in the form of rows for the joint fit. Offsets drift, and are not taken from it.
@@ -88,7 +88,7 @@ class KnownShoe:
 def known_shoe(
     shoe: Shoe, sensing: Sensing, covariance: FloatArray | None, weight: float
 ) -> KnownShoe:
-    """What the measuring side of a manual calibration tells.
+    """What the measuring side of a manual calibration gives.
 
     Args:
         shoe: as its file says.

@@ -1,4 +1,4 @@
-"""What a robot that hangs tells of the zeros of its sensors, as rows for the joint fit.
+"""The zeros of the sensors of a robot that hangs, as rows for the joint fit.
 
 In the air each foot's force and moments are zero whatever the model says; its channels carry the
 parts below them. Zeros differ from run to run by what `Tolerances` says.

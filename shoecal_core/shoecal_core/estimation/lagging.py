@@ -2,9 +2,9 @@
 
 A cell that settles with the time constant tau reads y where the load is x = y + tau dy/dt (a worn
 mount, a wet cable, a filter left in a converter). The whole fit bends around it: gains come out
-halved while force and CoP still agree, on test runs of the same cell too. So beside the fit
-stands, for each cell alone, the fit in which it may lag: one Gauss-Newton step from the minimum,
-with one more column c_i dr/df_i dS_i/dt. What that saves of the cost tells whether it does.
+halved while force and CoP still agree, on test runs of the same cell too. So the fit is compared,
+for each cell alone, with the fit in which it may lag: one Gauss-Newton step from the minimum, with
+one more column c_i dr/df_i dS_i/dt. It lags if that saves enough of the cost.
 """
 
 from __future__ import annotations
@@ -103,7 +103,7 @@ def lags(
         covariance = np.linalg.inv(hessian[np.ix_(among, among)])
         saved = _saved(hessian, gradient, among) - before
         step = -covariance @ gradient[among]
-        # The column holds the bent gain; the step tells the straight one.
+        # The column holds the bent gain; with the step it is the straight one.
         gain = parameters.gain[channel]
         bent = gain / (gain + step[channel])
         found.append(
@@ -119,7 +119,7 @@ def lags(
 
 
 def check_lags(shoe: Shoe, found: Sequence[Lag]) -> list[Finding]:
-    """A calibration that a lagging cell has bent; the cell that tells most of it."""
+    """A calibration that a lagging cell has bent; the cell that explains most of it."""
     worst = max((lag for lag in found if lag.found), key=lambda lag: lag.saved, default=None)
     if worst is None:
         return []

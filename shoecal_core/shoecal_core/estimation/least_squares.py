@@ -88,12 +88,12 @@ def minimise(rows: Rows, prior: Prior, max_evaluations: int = MAX_EVALUATIONS) -
     def slopes(z: FloatArray) -> FloatArray:
         return np.vstack((rows(vector_of(z))[1][:, free] * scale, np.eye(len(z))))
 
-    begin = np.zeros(len(scale))
-    initial = errors(begin)
+    start = np.zeros(len(scale))
+    initial = errors(start)
     if not np.isfinite(initial).all():
         raise _misfit()
     found = least_squares(
-        errors, begin, slopes, method="lm", max_nfev=max_evaluations,
+        errors, start, slopes, method="lm", max_nfev=max_evaluations,
         ftol=_PRECISION, xtol=_PRECISION, gtol=_PRECISION,
     )  # fmt: skip
     if not np.isfinite(found.cost):

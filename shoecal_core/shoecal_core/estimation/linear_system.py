@@ -138,17 +138,17 @@ class LinearSystem:
         return 0.5 * (covariance + covariance.T)
 
     def cost(self, unknowns: FloatArray) -> float:
-        """Sum of squares, priors included."""
+        """Sum of squares at these unknowns (u,), priors included."""
         left = self.target - unknowns @ self.rows
         return float(left @ left + np.sum(((unknowns - self.away) / self.std) ** 2))
 
     def moved(self, solution: FloatArray) -> float:
-        """Largest change of gains and offsets, in units of their priors."""
+        """Largest change of gains and offsets by a solution (u,), in units of their priors."""
         own = 2 * len(self.signal_model.parameters.gain)
         return float(np.max(np.abs(solution[:own] / self.std[:own])))
 
     def parameters_after(self, solution: FloatArray) -> ChannelParameters:
-        """Gains and offsets without what they were too large by."""
+        """Gains and offsets without what a solution (u,) finds them too large by."""
         count, now = len(self.signal_model.parameters.gain), self.signal_model.parameters
         return ChannelParameters(
             now.gain - solution[:count], now.offset - solution[count : 2 * count]

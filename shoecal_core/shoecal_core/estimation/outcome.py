@@ -28,7 +28,7 @@ class CalibrationOutcome:
         calibration: to apply, verdict included.
         stages: how it was found.
         data: what it was found from.
-        assessment: what its data could tell and what not.
+        assessment: its uncertainty, and what its data identify.
         train, test: numbers of the runs; those that were left out are in neither.
         modelled: errors against the model, by stage (`initial_guess`, `self_calibration`) and
             set (`train`, `test`); a set without runs is left out.

@@ -1,4 +1,4 @@
-"""Is a calibration one that any robot could have? Asked of what comes from somebody else."""
+"""Is a calibration one that any robot could have? Checked of calibrations from other programs."""
 
 from __future__ import annotations
 
@@ -119,4 +119,4 @@ def _check_covariance(calibration: Calibration) -> None:
 
 def _refused(calibration: Calibration, why: str) -> ImplausibleError:
     name = calibration.id[:40] if calibration.id.isprintable() else ""
-    return ImplausibleError(f"calibration '{name}' {why}; correct its sender, or calibrate anew")
+    return ImplausibleError(f"calibration '{name}' {why}; correct its sender, or calibrate again")

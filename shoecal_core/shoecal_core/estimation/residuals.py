@@ -43,7 +43,7 @@ class ResidualWeights:
 
     @classmethod
     def of(cls, settings: CalibrationSettings) -> ResidualWeights:
-        """As a calibration is told to weigh."""
+        """By a calibration's settings."""
         return cls(settings.force_std_n, settings.cop_std_m, settings.correlation_s)
 
     def of_sample(self, stance: Stance) -> float:
@@ -54,12 +54,12 @@ class ResidualWeights:
 
 
 def pack(parameters: ChannelParameters, time_offset: float) -> FloatArray:
-    """(2n + 1,) parameter vector."""
+    """(2n + 1,) parameter vector: gains, offsets [N or N m], time offset [s]."""
     return np.concatenate((parameters.gain, parameters.offset, [time_offset]))
 
 
 def unpack(vector: FloatArray) -> tuple[ChannelParameters, float]:
-    """Channel parameters and time offset of a parameter vector."""
+    """Channel parameters and time offset [s] of a parameter vector (2n + 1,)."""
     channels = len(vector) // 2
     return (
         ChannelParameters(vector[:channels], vector[channels : 2 * channels]),
@@ -68,7 +68,7 @@ def unpack(vector: FloatArray) -> tuple[ChannelParameters, float]:
 
 
 def errors(vector: FloatArray, stance: Stance, weights: ResidualWeights) -> FloatArray:
-    """Residuals (3T,): all r_F, then all r_Cx, then all r_Cy."""
+    """Residuals (3T,) in standard deviations: all r_F, then all r_Cx, then all r_Cy."""
     force, place = _measured(vector, stance)
     off = place - stance.cop - vector[-1] * stance.cop_rate
     return np.concatenate(((force - stance.force) / weights.force, *(off / weights.cop).T))
@@ -151,7 +151,7 @@ def rows_of(
     weights: ResidualWeights,
     shares: Sequence[float] | None = None,
 ) -> Callable[[FloatArray], tuple[FloatArray, FloatArray]]:
-    """All residuals of some stances, and their Jacobian, as a function of the vector.
+    """Residuals (r,) of some stances and their Jacobian (r, 2n + 1) as a function of the vector.
 
     Args:
         stances, shoe, weights: to be fitted.

@@ -12,7 +12,7 @@ SETS = ("train", "test")
 
 @dataclass(frozen=True)
 class ComparedRun:
-    """All that is told of one run, at the same instants.
+    """All series of one run, at the same instants.
 
     Attributes:
         session: a name that no other session bears.

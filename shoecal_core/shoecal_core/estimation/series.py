@@ -42,8 +42,8 @@ class Errors:
     def to_json(self) -> dict[str, float]:
         """Figures by their names in result files [N, mm].
 
-        A figure that nothing tells is left out; where samples had to be left out of one, their
-        number stands beside it.
+        A figure without samples is left out; where samples had to be left out of one, their
+        number is given as well.
         """
         found: dict[str, float] = {}
         for name, (mae, scale, unit) in self.figures().items():
@@ -58,7 +58,7 @@ class Errors:
 
 @dataclass(frozen=True)
 class Series:
-    """GRF and CoP of T samples beside each other, for errors and plots.
+    """GRF and CoP of T samples, for errors and plots.
 
     Attributes:
         time: (T,) [s].
@@ -106,7 +106,7 @@ def truth_series(truth: Truth, stance: Stance) -> Series:
         columns = [np.interp(stance.time, truth.time, column) for column in flat.T]
         return np.stack(columns, axis=1).reshape(len(stance.time), *values.shape[1:])
 
-    # The truth of both feet is told in the left sole's frame, a left foot in the air or not.
+    # The truth of both feet is in the left sole's frame, a left foot in the air or not.
     place = truth.foot_cop[:, 1] if stance.hanging == 0 else truth.cop
     return Series(
         stance.time,

@@ -39,7 +39,7 @@ class SessionData:
         samples: means of all runs that stand; None where the robot walks, or without a screening.
         start_ns: stamp that each run's times count from [ns since the epoch].
         end_ns: stamp of the last sample of all [ns since the epoch].
-        temperature: mean of what the device told [degC], NaN where it told none.
+        temperature: mean of what the device reported [degC], NaN where it reported none.
         screening: what was found in it before the fit, and left out.
         zeros: of feet in the air, by run.
         hanging: runs in which both feet are in the air; once fitted, of the training runs.
@@ -78,7 +78,7 @@ def load_data(
     Args:
         session: recorded.
         runs: numbers.
-        settings: for a screening, which leaves out what is at fault; None: all is kept.
+        settings: for a screening, which leaves out what is faulty; None: all is kept.
         weight_kg: of robot and shoes, in place of the robot file's [kg].
         sheets: whether to believe the data sheets of its sensors.
         robot: in place of the session's own, shoes put on.
@@ -110,7 +110,7 @@ def load_data(
         for zero in zeros_of(run, aligned[number], shoe, kinematics)
     ]
     temperatures = [run.readings.temperature for run in recorded.values()]
-    told = [values[np.isfinite(values)] for values in temperatures]
+    known = [values[np.isfinite(values)] for values in temperatures]
     return SessionData(
         robot=robot,
         shoe=shoe,
@@ -124,7 +124,7 @@ def load_data(
             (run.start_ns + round(1e9 * float(run.readings.time[-1])) for run in recorded.values()),
             default=0,
         ),
-        temperature=float(np.mean(np.concatenate(told))) if any(map(len, told)) else float("nan"),
+        temperature=float(np.mean(np.concatenate(known))) if any(map(len, known)) else float("nan"),
         screening=screening,
         zeros=tuple(zeros),
         hanging=frozenset(number for number, run in recorded.items() if run.info.hanging),

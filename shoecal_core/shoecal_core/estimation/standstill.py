@@ -111,7 +111,7 @@ class StandstillResiduals:
 def hanging_feet(
     calibration: Calibration, shoe: Shoe, readings: FloatArray, body: BodyStates
 ) -> tuple[bool, bool]:
-    """Which feet hang: those with little load that the joints tell to be lifted; both in the air.
+    """Which feet hang: those with little load and lifted by the joint angles; both in the air.
 
     Args:
         calibration: in force.
@@ -145,7 +145,8 @@ def compare(
     """The differences of one standstill.
 
     Args:
-        calibration, shoe, readings, body: as `hanging_feet`, which gives `hanging`.
+        calibration, shoe, body: as `hanging_feet`, which gives `hanging`.
+        readings: (n,) likewise.
         hanging: which feet hang.
         tolerance: of weight and modelled CoP.
     """

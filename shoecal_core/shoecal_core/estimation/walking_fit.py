@@ -72,7 +72,7 @@ def at_common_zeros(
 
 
 def zero_shifts(shoe: Shoe, zeros: Sequence[Zero], common: CommonZeros) -> dict[int, FloatArray]:
-    """(n,) by run, what readings change by where the run gets the common zeros."""
+    """(n,) by run, what raw readings change by where the run gets the common zeros."""
     shift: dict[int, FloatArray] = {}
     for zero in zeros:
         own = (shoe.foot == zero.foot) & np.isfinite(common.std)

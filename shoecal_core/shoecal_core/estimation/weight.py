@@ -1,6 +1,6 @@
 """What the robot weighs by the data sheets of its own sensors.
 
-Over a recording that begins and ends at rest the floor carries the weight on average, whatever the
+Over a recording that starts and ends at rest the floor carries the weight on average, whatever the
 robot does in between, so no model of its dynamics is needed: only the sum of both feet's vertical
 forces above their zeros. A wrong weight in the robot file looks like a common error of all gains.
 """
@@ -45,7 +45,7 @@ def weigh(shoe: Shoe, readings: Mapping[int, FloatArray], zeros: Sequence[Zero])
 
     Args:
         shoe: of the readings.
-        readings: (T, n) of each whole run.
+        readings: (T, n) raw, of each whole run.
         zeros: of the runs.
     """
     laws = [data_sheet(shoe, foot) for foot in range(len(FEET))]

@@ -15,7 +15,7 @@ from shoecal_core.files import Fields
 FARTHEST_M = 100.0
 """Beyond that geometry is rounding."""
 NEAR_M, NEAR_RAD = 0.01, 0.02
-"""Double supports that are nearer to each other tell a calibration the same."""
+"""Double supports that are nearer to each other count as one."""
 
 
 @dataclass(frozen=True)
@@ -33,13 +33,13 @@ class DoubleSupport:
     dtheta: float
 
     def __post_init__(self) -> None:
-        told = f"dx {self.dx:g}, dy {self.dy:g}, dtheta {self.dtheta:g}"
+        text = f"dx {self.dx:g}, dy {self.dy:g}, dtheta {self.dtheta:g}"
         if not all(math.isfinite(value) for value in (self.dx, self.dy, self.dtheta)):
-            raise ShoecalError(f"{told}: dx, dy and dtheta must be finite numbers")
+            raise ShoecalError(f"{text}: dx, dy and dtheta must be finite numbers")
         if max(abs(self.dx), abs(self.dy)) > FARTHEST_M:
-            raise ShoecalError(f"{told}: dx and dy are metres; no foot is {FARTHEST_M:g} m away")
+            raise ShoecalError(f"{text}: dx and dy are metres; no foot is {FARTHEST_M:g} m away")
         if abs(self.dtheta) > math.tau:
-            raise ShoecalError(f"{told}: dtheta is in radians; tell it within one turn")
+            raise ShoecalError(f"{text}: dtheta is in radians; give it within one turn")
 
     def __str__(self) -> str:
         return (

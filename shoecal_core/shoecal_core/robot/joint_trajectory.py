@@ -58,7 +58,7 @@ class JointTrajectory:
 
         Args:
             robot: that will follow it.
-            start: (m,) where its joints are told to be at time 0 [rad].
+            start: (m,) where its joints are commanded to be at time 0 [rad].
 
         Raises:
             NameNotFoundError: for a joint that the robot does not have.
@@ -72,11 +72,11 @@ class JointTrajectory:
         positions[:, columns] = self.positions
         _check_limits(robot, positions, columns)
         for shared in robot.shared:
-            told = positions[:, shared.joint].copy()
+            given = positions[:, shared.joint].copy()
             if shared.joint in columns and shared.leader not in columns:
-                positions[:, shared.leader] = told / shared.ratio
+                positions[:, shared.leader] = given / shared.ratio
             positions[:, shared.joint] = shared.ratio * positions[:, shared.leader]
-            if shared.joint in columns and np.any(abs(positions[:, shared.joint] - told) > _SLACK):
+            if shared.joint in columns and np.any(abs(positions[:, shared.joint] - given) > _SLACK):
                 raise ShoecalError(
                     f"joints '{robot.joint_names[shared.joint]}' and "
                     f"'{robot.joint_names[shared.leader]}' are one motor, yet the trajectory moves "
@@ -89,14 +89,14 @@ class JointTrajectory:
         return JointTrajectory(robot.joint_names, times, positions)
 
     def at(self, times: FloatArray) -> FloatArray:
-        """(..., k) positions at times (...); the first point before the start, the last after."""
+        """(..., k) positions [rad] at times (...) [s]; held before the start and after the end."""
         if len(self.times) == 1:
             return np.broadcast_to(self.positions[0], (*np.shape(times), len(self.names)))
         positions: FloatArray = self._curve(np.clip(times, self.times[0], self.times[-1]))
         return positions
 
     def rates(self, times: FloatArray) -> FloatArray:
-        """(..., k) velocities at times (...) [rad/s]; none before the start and after the end."""
+        """(..., k) velocities [rad/s] at times (...) [s]; zero before the start, after the end."""
         if len(self.times) == 1:
             return np.zeros((*np.shape(times), len(self.names)))
         # At both ends they are zero, as they are beyond.
@@ -122,7 +122,7 @@ def _check_limits(robot: Robot, positions: FloatArray, columns: list[int]) -> No
         lowest, highest = positions[:, joint].min(), positions[:, joint].max()
         if lowest < robot.lower[joint] - _SLACK or highest > robot.upper[joint] + _SLACK:
             raise ShoecalError(
-                f"joint '{robot.joint_names[joint]}' is told to move {lowest:.4g} to "
+                f"joint '{robot.joint_names[joint]}' is commanded to move {lowest:.4g} to "
                 f"{highest:.4g} rad, beyond its limits {robot.lower[joint]:.4g} to "
                 f"{robot.upper[joint]:.4g} rad; plan the motion again"
             )

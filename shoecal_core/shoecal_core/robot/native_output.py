@@ -14,7 +14,7 @@ STDERR = 2
 def caught_stderr() -> Iterator[list[str]]:
     """Catch what the whole process writes to stderr meanwhile; afterwards it is as before.
 
-    For a moment only, around a parser whose complaints are told in one line of our own.
+    For a moment only, around a parser whose complaints are reported in one line of our own.
 
     Yields:
         the lines; they stand there once the block has been left.

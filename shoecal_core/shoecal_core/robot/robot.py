@@ -145,7 +145,7 @@ class Robot:
         feet: left, right.
         legs: (k,) indices of the joints that the planner moves; shared motors once.
         shared: joints that follow another joint's motor.
-        posture: (m,) where joints stand that nobody moves, and where planning starts [rad].
+        posture: (m,) angles of joints that are not moved, and where planning starts [rad].
         optional: joints that may be absent from measurements; they are then at `posture`.
         capsules, collision_pairs: shapes, and pairs of indices that must not touch.
         support_range: allowed double supports.
@@ -191,7 +191,7 @@ class Robot:
 
     @cached_property
     def moved(self) -> NDArray[np.int64]:
-        """Indices of the joints that the planner moves, those on shared motors included."""
+        """(k,) indices of the joints that the planner moves, those on shared motors included."""
         return np.array([*self.legs, *(shared.joint for shared in self.shared)], dtype=np.int64)
 
     @property

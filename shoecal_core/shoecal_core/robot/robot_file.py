@@ -37,19 +37,19 @@ MAX_SUPPORTS = 1e6
 def shoe_file_of(robot: Path) -> Path:
     """The shoe file that belongs to a robot file where none is named.
 
-    That is `../shoes/ROBOT_shoe.yaml` beside `ROBOT.yaml`, or else `ROBOT_shoe.yaml` beside it:
-    there drafts are written.
+    That is `../shoes/ROBOT_shoe.yaml` as seen from the folder of `ROBOT.yaml`, or else
+    `ROBOT_shoe.yaml` in that folder: there drafts are written.
 
     Raises:
         FileMissingError: when there is no such file.
     """
-    read_bytes(robot)  # A robot file that is missing is told as itself.
+    read_bytes(robot)  # A robot file that is missing is reported as itself.
     folder = Path(os.path.normpath(robot.parent / ".." / "shoes"))
     shoe = folder / f"{robot.stem}_shoe.yaml"
     if not shoe.is_file():
-        beside = robot.with_name(shoe.name)
-        if beside.is_file():
-            return beside
+        draft = robot.with_name(shoe.name)
+        if draft.is_file():
+            return draft
         raise FileMissingError(
             shoe,
             f"does not exist, and no other shoe belongs to {robot}; name one (--shoe, "

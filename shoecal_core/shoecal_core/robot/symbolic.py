@@ -27,11 +27,11 @@ class SymbolicPose:
     translation: ca.SX
 
     def act(self, point: ca.SX | FloatArray) -> ca.SX:
-        """A point of this frame, in the base."""
+        """A point (3,) of this frame [m] in the base frame, as (3, 1)."""
         return self.rotation @ ca.SX(point) + self.translation
 
     def inverse_act(self, point: ca.SX) -> ca.SX:
-        """A point of the base, in this frame."""
+        """A point (3, 1) of the base frame [m] in this frame."""
         return self.rotation.T @ (point - self.translation)
 
 

@@ -2,7 +2,7 @@
 
 The URDF parser drops an inertial that it cannot read, and links that hang on nothing, with no
 more than lines on stderr. The CoM would be wrong, so the masses are counted again here, and what
-is wrong is told in one line instead of the parser's many.
+is wrong is reported in one line instead of the parser's many.
 """
 
 from __future__ import annotations
@@ -174,7 +174,7 @@ def move_zero(joint: ElementTree.Element, angle: float) -> None:
 
 
 def written(values: NDArray[np.float64]) -> str:
-    """Numbers as URDF attributes hold them."""
+    """Numbers (n,) as URDF attributes hold them."""
     return " ".join(f"{one:.12g}" for one in values)
 
 
@@ -243,7 +243,7 @@ def read_outline(path: Path) -> Outline:
 def _parse(
     path: Path, text: str, start: Callable[[str, dict[str, str]], None], end: Callable[[str], None]
 ) -> None:
-    """Tell of every element of an XML file."""
+    """Call back for every element of an XML file."""
 
     def refuse(*_: object) -> None:
         raise UrdfError(path, "declares a document type; leave <!DOCTYPE> out")
@@ -262,16 +262,16 @@ def _parse(
 def _reason(complaints: Sequence[str], error: Exception) -> str:
     """The parser's first complaint; its exception seldom says more than that there is one."""
     for line in (*complaints, *str(error).splitlines()):
-        if told := line.removeprefix("Error:").strip():
-            return told
+        if text := line.removeprefix("Error:").strip():
+            return text
     return "rejected by the parser"
 
 
 def _named(links: Sequence[str]) -> str:
     """A few of many, and how many more."""
     more = len(links) - NAMED
-    told = ", ".join(links[:NAMED])
-    return f"link{'s' if len(links) > 1 else ''} {told}{f' and {more} more' if more > 0 else ''}"
+    names = ", ".join(links[:NAMED])
+    return f"link{'s' if len(links) > 1 else ''} {names}{f' and {more} more' if more > 0 else ''}"
 
 
 def _lost(reader: _Reader, model: pin.Model) -> str:
@@ -308,7 +308,7 @@ def _check_joints(path: Path, model: pin.Model) -> None:
 
 
 class _Reader:
-    """What stands in a URDF and the parser does not tell, or does not tell where.
+    """What is in a URDF and the parser does not report, or does not report where.
 
     Attributes:
         masses: of each link as it is written down [kg].

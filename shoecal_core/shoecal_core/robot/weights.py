@@ -43,18 +43,18 @@ class RobotWeights:
             FieldError: with all of them, and the unit that one of them looks like.
         """
         limit = max(APART * self.file, APART_STDS * self.file_std)
-        told = f"{self.file:.4g} kg by this file and {self.urdf:.4g} kg by the URDF's masses"
+        weights = f"{self.file:.4g} kg by this file and {self.urdf:.4g} kg by the URDF's masses"
         if self.given is not None and abs(self.given - self.file) > limit:
             raise FieldError(
                 "--weight-kg",
                 f"{self.given + self.shoes:.4g} kg with shoes contradicts {fields.path}: the robot "
-                f"weighs {told}, its shoes {self.shoes:.4g} kg; weigh it with its shoes"
+                f"weighs {weights}, its shoes {self.shoes:.4g} kg; weigh it with its shoes"
                 f"{_unit(self.given / self.file)}",
             )
         if abs(self.file - self.urdf) > limit:
             raise fields.error(
                 "mass_kg",
-                f"{told}; weigh the robot, and correct the one that is wrong, or give a std_kg "
+                f"{weights}; weigh the robot, and correct the one that is wrong, or give a std_kg "
                 f"that holds both{_unit(self.file / self.urdf)}",
             )
 

@@ -44,7 +44,7 @@ class Aligned:
     states: BodyStates
 
     def part(self, part: NDArray[np.bool_]) -> Aligned:
-        """Some of the samples."""
+        """The samples marked in `part` (T,)."""
         states = BodyStates(
             **{field.name: getattr(self.states, field.name)[part] for field in fields(BodyStates)}
         )
@@ -65,7 +65,7 @@ def align(run: Run, shoe: Shoe, kinematics: Kinematics, *, late_s: float = 0.0) 
     """
     good = np.isfinite(run.readings.value).all(axis=1) & (run.readings.status == GOOD).all(axis=1)
     time = run.readings.time[good]
-    names = told_joints(run, kinematics.robot)
+    names = recorded_joints(run, kinematics.robot)
     _check_unit(run, names, kinematics.robot)
     _check_leaps(run, names, kinematics.robot)
     measured, covered = interpolate_joints(
@@ -86,7 +86,7 @@ def align(run: Run, shoe: Shoe, kinematics: Kinematics, *, late_s: float = 0.0) 
 def _check_unit(run: Run, names: list[str], robot: Robot) -> None:
     """Refuse angles in degrees."""
     for name in names:
-        joint, position = robot.joint(name), _told(run, name)
+        joint, position = robot.joint(name), _angles(run, name)
         limits = robot.lower[joint], robot.upper[joint]
         if len(position) and in_degrees(position, *limits):
             raise RecordingError(
@@ -97,7 +97,7 @@ def _check_unit(run: Run, names: list[str], robot: Robot) -> None:
             )
 
 
-def _told(run: Run, name: str) -> FloatArray:
+def _angles(run: Run, name: str) -> FloatArray:
     """(k,) angles of a joint, of where it has some [rad]."""
     position = run.joints.position[:, run.joints.names.index(name)]
     return position[np.isfinite(position)]
@@ -108,8 +108,8 @@ def _check_leaps(run: Run, names: list[str], robot: Robot) -> None:
     limits = dict(zip(robot.joint_names, robot.velocity_limit, strict=True))
     for name in names:
         position = run.joints.position[:, run.joints.names.index(name)]
-        told = np.isfinite(position)
-        step, period = np.diff(position[told]), np.diff(run.joints.time[told])
+        known = np.isfinite(position)
+        step, period = np.diff(position[known]), np.diff(run.joints.time[known])
         allowed = np.maximum(LEAP_RAD, LEAP_SPEEDS * limits[name] * period)
         leaps = np.abs(step) > allowed
         if limits[name] > 0.0 and len(step) and leaps.mean() > LEAPS_SHARE:
@@ -124,7 +124,7 @@ def _check_leaps(run: Run, names: list[str], robot: Robot) -> None:
 
 def _cure(run: Run, names: list[str]) -> str:
     """What to look at: joints without angles, channels that hardly read well, else the clocks."""
-    if absent := [name for name in names if not len(_told(run, name))]:
+    if absent := [name for name in names if not len(_angles(run, name))]:
         return (
             f"there is no angle of {', '.join(absent)}: record it, or list it under "
             "'optional_joints' of the robot file if it stands still"
@@ -137,11 +137,11 @@ def _cure(run: Run, names: list[str]) -> str:
     return "check that both were recorded, with stamps of one clock"
 
 
-def told_joints(run: Run, robot: Robot) -> list[str]:
-    """The robot's joints that were recorded; some drivers tell NaN for optional ones."""
-    told = np.asarray(np.isfinite(run.joints.position).any(axis=0))
+def recorded_joints(run: Run, robot: Robot) -> list[str]:
+    """The robot's joints that were recorded; some drivers send NaN for optional ones."""
+    known = np.asarray(np.isfinite(run.joints.position).any(axis=0))
     return [
         name
-        for name, is_told in zip(run.joints.names, told.tolist(), strict=True)
-        if name in robot.joint_names and (is_told or name not in robot.optional)
+        for name, is_known in zip(run.joints.names, known.tolist(), strict=True)
+        if name in robot.joint_names and (is_known or name not in robot.optional)
     ]

@@ -6,13 +6,13 @@ from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.run import Run
 
 FAR_S = 1.0
-"""What was recorded together begins and ends within this of each other."""
+"""What was recorded together starts and ends within this of each other."""
 ALIKE = 0.5
 """A shift is as long at both ends, to within this share of it; what broke off is not."""
 
 
 def check_clocks(run: Run) -> None:
-    """Refuse a run whose joints and readings both begin and end apart, by about the same time.
+    """Refuse a run whose joints and readings both start and end apart, by about the same time.
 
     Smaller differences are what the effect `latency` is looked for by.
 

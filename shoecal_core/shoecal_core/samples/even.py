@@ -17,7 +17,7 @@ EVEN = 0.01
 
 
 def typical_period(time: FloatArray) -> float:
-    """Time from one sample to the next, mostly [s]."""
+    """Median time from one sample (T,) to the next [s]."""
     return float(np.median(np.diff(time)))
 
 
@@ -45,7 +45,7 @@ def resampled(values: FloatArray, time: FloatArray) -> tuple[FloatArray, FloatAr
 
 
 def is_even(time: FloatArray) -> bool:
-    """Whether all periods are alike."""
+    """Whether all periods of samples (T,) are alike."""
     period = typical_period(time)
     return bool(np.abs(np.diff(time) - period).max() <= EVEN * period)
 

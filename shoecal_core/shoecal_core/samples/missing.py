@@ -1,4 +1,4 @@
-"""What a session lacks, told in words before anything is fitted to it."""
+"""What a session lacks, in words, before anything is fitted to it."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from shoecal_core.samples.samples import Samples
 MOVES_M = 0.003
 """Way of the CoM below which a robot stands still; encoders' steps make less."""
 UNSURE_MASS = 0.02
-"""Standard uncertainty of the robot's mass, over the mass, from which it is told."""
+"""Standard uncertainty of the robot's mass, over the mass, from which it is reported."""
 
 
 def missing(samples: Samples) -> list[str]:
     """What is not there, and what it costs.
 
     Raises:
-        ShoecalError: when what is there tells nothing.
+        ShoecalError: when nothing is identifiable in what is there.
     """
     robot, tracks = samples.robot, samples.tracks
     notes = []
     if walking := [str(track.run) for track in tracks if track.walks]:
         notes.append(
-            f"runs {', '.join(walking)} walk: CoP and GRF are told against the zero-moment point "
+            f"runs {', '.join(walking)} walk: CoP and GRF are compared with the zero-moment point "
             "of joints and base pose, in single and double supports of flat, still feet"
         )
     if robot.mass_std > UNSURE_MASS * robot.mass:
@@ -35,7 +35,7 @@ def missing(samples: Samples) -> list[str]:
     if any(track.up is None for track in tracks):
         notes.append("no /imu in every run: a tilt of the floor is only seen by the CoP")
     if all(track.temperature is None for track in tracks):
-        notes.append("no temperature: drifts are told by time alone")
+        notes.append("no temperature: only drifts over time are looked for")
     if all(track.efforts is None for track in tracks):
         notes.append("no joint efforts: loads sideways on cells are not looked for")
     if samples.loaded.all():
@@ -43,18 +43,19 @@ def missing(samples: Samples) -> list[str]:
     moved = max(float(np.ptp(track.mean(track.com)[..., :2], axis=0).max()) for track in tracks)
     if moved < MOVES_M:
         raise ShoecalError(
-            f"the CoM moves by {1e3 * moved:.1f} mm at most, which tells nothing: "
+            f"the CoM moves by {1e3 * moved:.1f} mm at most, so nothing is identifiable: "
             "record runs in which the robot moves"
         )
     if len(tracks) < 2:
         raise ShoecalError(
-            "one run alone cannot tell a gap from a parameter: record at least two double supports"
+            "in one run alone gaps and parameters cannot be separated: record at least two double "
+            "supports"
         )
     stances = list(zip(samples.supports, samples.standing, strict=True))
     lifted = {feet for _, feet in stances if not all(feet)}
     if count_distinct(support for support, feet in stances if all(feet)) < 2 and len(lifted) < 2:
         raise ShoecalError(
-            "all runs stand in one double support, where a gap cannot be told from a parameter: "
+            "all runs stand in one double support, where gaps and parameters cannot be separated: "
             "record at least two that differ in yaw, or lift each foot once"
         )
     return notes

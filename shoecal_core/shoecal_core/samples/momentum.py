@@ -18,7 +18,7 @@ FloatArray = NDArray[np.float64]
 
 
 def base_in_stance(states: BodyStates, frame: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:
-    """Orientation (T, 4) x, y, z, w and origin (T, 3) of the base in a foot's sole frame.
+    """Orientation (T, 4) x, y, z, w and origin (T, 3) [m] of the base in a foot's sole frame.
 
     Args:
         frame: (T,) the foot, 0 left, 1 right.
@@ -35,7 +35,7 @@ def base_in_stance(states: BodyStates, frame: NDArray[np.int64]) -> tuple[FloatA
 
 
 def angular_momentum(poses: FloatArray, time: FloatArray, robot: Robot) -> FloatArray:
-    """(F, 3) of the whole body about its CoM, along the axes that the base is told in [N m s].
+    """(F, 3) of the whole body about its CoM, along the axes of the base's poses [N m s].
 
     Args:
         poses: (F, 7 + m) origin and orientation of the base, joint angles.
@@ -60,7 +60,7 @@ def standing_spin(
     Args:
         angles: (F, m) of the joints, smooth enough to be differentiated twice [rad].
         time: (F,) [s].
-        frame: (F,) foot that stands, in whose sole frame it is told.
+        frame: (F,) foot that stands, in whose sole frame the result is.
     """
     states = Kinematics(robot).states(angles)
     found = np.zeros((len(time), 2))

@@ -35,10 +35,10 @@ class Track:
         start: of the run since the session's first sample [s].
         time: (F,) since the run's start [s].
         readings: (F, n) raw.
-        angles: (F, m) as told [rad].
-        efforts: (F, m) of the joints [N m]; None where none were told.
+        angles: (F, m) as recorded [rad].
+        efforts: (F, m) of the joints [N m]; None where none were recorded.
         up: (F, 3) the direction upwards in the base's frame; None without an IMU.
-        temperature: (F,) of the shoes [degC]; None where none was told.
+        temperature: (F,) of the shoes [degC]; None where none was recorded.
         com: (F, 2, 3) in the left and right sole's frame [m].
         samples: slice of the samples of the whole session that are made from it.
         weights: (T_run, F) averages over each sample's time.
@@ -108,7 +108,7 @@ class Samples:
 
     @property
     def frame(self) -> IntArray:
-        """(T,) foot in whose sole frame a sample is told: the right one while the left hangs."""
+        """(T,) foot (0 or 1) whose sole frame a sample is in: the right while the left hangs."""
         return np.where(self.loaded[:, 0], 0, 1)
 
     @cached_property

@@ -1,4 +1,4 @@
-"""What a run may tell beside angles and readings, at F times of these [s since its start]."""
+"""What a run may hold besides angles and readings, at F times of these [s since its start]."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ from shoecal_core.robot.robot import Robot
 
 FloatArray = NDArray[np.float64]
 LEAST_KNOWN = 0.5
-"""Of its readings that an IMU must tell an orientation with, for any to be used."""
+"""Share of its readings in which an IMU must give an orientation, for any to be used."""
 
 
 def efforts(run: Run, robot: Robot, time: FloatArray) -> FloatArray | None:
-    """(F, m) of the joints [N m]; None where those of the legs are not told."""
+    """(F, m) of the joints [N m]; None where those of the legs were not recorded."""
     if run.joints.effort is None:
         return None
     efforts = np.zeros((len(time), len(robot.joint_names)))
-    told = dict(zip(run.joints.names, run.joints.effort.T, strict=True))
+    recorded = dict(zip(run.joints.names, run.joints.effort.T, strict=True))
     for index, name in enumerate(robot.joint_names):
-        if name not in told or not np.isfinite(told[name]).all():
+        if name not in recorded or not np.isfinite(recorded[name]).all():
             if index in robot.moved:
                 return None
             continue
-        efforts[:, index] = np.interp(time, run.joints.time, told[name])
+        efforts[:, index] = np.interp(time, run.joints.time, recorded[name])
     return efforts if np.any(efforts) else None
 
 
@@ -42,12 +42,12 @@ def upwards(run: Run, time: FloatArray) -> FloatArray | None:
 
 
 def temperature(run: Run, time: FloatArray) -> FloatArray | None:
-    """(F,) of the shoes [degC]; the mean of their cells' where only these tell it."""
+    """(F,) of the shoes [degC]; the mean of their cells' where only these report it."""
     if run.shoe_temperature is not None:
         return np.interp(time, run.shoe_temperature.time, run.shoe_temperature.value)
-    told = run.readings.temperature
-    if not np.isfinite(told).any(axis=1).any():
+    cells = run.readings.temperature
+    known = np.isfinite(cells).any(axis=1)
+    if not known.any():
         return None
-    known = np.isfinite(told).any(axis=1)
-    mean = np.nanmean(told[known], axis=1)
+    mean = np.nanmean(cells[known], axis=1)
     return np.interp(time, run.readings.time[known], mean)

@@ -1,4 +1,4 @@
-"""What a fit needs of a recording: readings beside what the model says of the same instants.
+"""What a fit needs of a recording: readings and what the model says of the same instants.
 
 A stance is a stretch of time in which no loaded foot moves, so that one frame and one set of
 channel columns serve all of its samples. A run in double support is one stance, or several
@@ -93,11 +93,11 @@ class Stance:
 
     @property
     def reference(self) -> FloatArray:
-        """(T, 3) wrench that the model expects."""
+        """(T, 3) wrench F, Mx, My that the model expects [N, N m]."""
         return at_cop(self.force, self.cop)
 
     def part(self, part: slice | NDArray[np.bool_]) -> Stance:
-        """Some of its samples."""
+        """Some of its samples: a slice, or those marked (T,)."""
         return replace(
             self,
             time=self.time[part],
@@ -121,7 +121,17 @@ def make_stance(
     cop: FloatArray,
     angles: FloatArray | None = None,
 ) -> Stance:
-    """A stance of given samples; columns, base and rate of the CoP follow."""
+    """A stance of given samples; columns, base and rate of the CoP follow.
+
+    Args:
+        run, support, loaded: as `Stance`.
+        shoe: that was worn.
+        time: (T,) since the run's start [s].
+        readings: (T, n) raw.
+        force: (T,) modelled vertical force [N].
+        cop: (T, 2) modelled CoP in the stance's frame [m].
+        angles: (T, m) joint angles [rad], if there is a body.
+    """
     if all(loaded):
         columns = columns_in_left(shoe, support)
         base = combined(weight_below(shoe), support)

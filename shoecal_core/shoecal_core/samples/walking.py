@@ -204,7 +204,12 @@ def _stretches(here: BoolArray, time: FloatArray) -> list[slice]:
 
 
 def derivative(values: FloatArray, time: FloatArray, order: int) -> FloatArray:
-    """Smoothed derivative along time of values (T, ...), by local cubics; stamps may be uneven.
+    """(T, ...) smoothed derivative of values (T, ...), by local cubics; stamps may be uneven.
+
+    Args:
+        values: of any unit.
+        time: (T,) [s].
+        order: of the derivative: per s to this power.
 
     Raises:
         ShoecalError: too few samples for it.

@@ -5,7 +5,7 @@ Single and double supports in which the feet that stand are flat and still count
 expected CoP is the zero-moment point of a single mass at the CoM. What that leaves out, the
 rate of the angular momentum L about the CoM, moves the zero-moment point by
     (-dL_y/dt, dL_x/dt) / (m (g + a_z))
-and is told apart from it, so that a diagnosis can ask whether it is needed.
+and is kept separate, so that a diagnosis can ask whether it is needed.
 """
 
 from __future__ import annotations

@@ -23,7 +23,7 @@ BoolArray = NDArray[np.bool_]
 EDGE_S = 0.04
 """Cut from both ends of each stretch in the air: there the foot is just leaving or landing."""
 LEAST_PHASE_S = 0.1
-"""A foot that is in the air for a shorter time tells nothing."""
+"""A foot that is in the air for a shorter time does not count."""
 INDEPENDENT = 16.0
 """What a foot's motion adds recurs in every swing: its mean over all of them is no better known
 than from so many samples."""
@@ -49,7 +49,7 @@ class Zero:
 
     @property
     def reading(self) -> FloatArray:
-        """(n,) means."""
+        """(n,) means of the raw readings."""
         return np.asarray(self.readings.mean(axis=0))
 
     @property

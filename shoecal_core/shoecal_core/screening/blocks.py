@@ -81,7 +81,7 @@ def blocks(aligned: Aligned, shoe: Shoe) -> Blocks:
 
 
 def block_size(time: FloatArray) -> int:
-    """Samples of one block."""
+    """Number of samples a block, for samples at times (T,) [s]."""
     return max(1, round(BLOCK_S / float(np.median(np.diff(time)))))
 
 

@@ -102,7 +102,7 @@ def _tracks(
         wrench = parameters.outputs(one.readings) @ parts[run].columns + parts[run].base
         place = cop(wrench, MINIMUM_FORCE)
         there = np.isfinite(place).all(axis=1)
-        # A run in which hardly a foot was loaded tells nothing of the clocks.
+        # A run in which hardly a foot was loaded does not show the clocks' offset.
         if there.sum() >= MIN_SAMPLES:
             tracks.append(CopTrack(one.time[there], place[there], one.states.cop[there, 0]))
     return tracks

@@ -1,4 +1,4 @@
-"""Do both feet stand where they stood? What the joints tell of one sole seen from the other.
+"""Do both feet stand where they stood? Checked by the pose of one sole in the other's frame.
 
 Play and compliance let that wander a little. A foot that was lifted shows in height and tilt; one
 that slipped shows as a step that stays, at a moment at which the load on the cells steps too.
@@ -67,7 +67,7 @@ class Slipped:
 
     Attributes:
         time: since the run's start [s].
-        shift: (3,) how far the joints tell it: dx, dy [m], dtheta [rad].
+        shift: (3,) its size by the joint angles: dx, dy [m], dtheta [rad].
     """
 
     time: float

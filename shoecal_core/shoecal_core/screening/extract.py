@@ -24,9 +24,9 @@ from shoecal_core.shoe.shoe import Shoe
 BoolArray = NDArray[np.bool_]
 
 MAX_FOOT_DRIFT_M = 0.01
-"""In a double support the feet's distance, as the joints tell it, stays within this."""
+"""In a double support the feet's distance, by the joint angles, stays within this."""
 LEAST_SAMPLES = 20
-"""Of a stance beside a foot that was lifted."""
+"""Of a stance in a run in which a foot was lifted."""
 
 
 def stances_of(
@@ -41,8 +41,7 @@ def stances_of(
     Args:
         run: recorded.
         aligned: the same with the model's values.
-        screening: leaves out what it found at fault; a run of which nothing is left has no
-            stance.
+        screening: leaves out what it found faulty; a run of which nothing is left has no stance.
     """
     if run.info.hanging:
         return []
@@ -142,7 +141,7 @@ def double_support_stance(
     """The one stance of a quasi-static run in double support.
 
     Args:
-        standing: (T,) samples that tell where the feet stand.
+        standing: (T,) samples from which the places of the feet are taken.
 
     Raises:
         RecordingError: when the feet moved against each other.

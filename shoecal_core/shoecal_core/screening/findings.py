@@ -34,7 +34,7 @@ MAX_TIME_OFFSET_S = 0.05
 
 _CURES: Mapping[Fault, tuple[str, str]] = {
     Fault.UNREADABLE: (
-        "has no readings, bad ones, or no joint angles beside them",
+        "has no readings, bad ones, or no joint angles at the same time",
         "check the device's status and that both have stamps of one clock",
     ),
     Fault.TOO_FAST: ("moved too fast to be taken as standing still", "plan a slower motion"),
@@ -44,7 +44,7 @@ _CURES: Mapping[Fault, tuple[str, str]] = {
     ),
     Fault.LIFTED: (
         "had one foot in the air or on its edge",
-        "see that nobody lifts it and that the motion keeps load on both feet",
+        "see that it is not lifted and that the motion keeps load on both feet",
     ),
 }
 
@@ -126,7 +126,7 @@ def of_saturated(shoe: Shoe, found: Sequence[Saturated]) -> list[Finding]:
 
 
 def of_ends(shoe: Shoe, shares: Sequence[float]) -> list[Finding]:
-    """Channels at the end of their converter's range: told of every such reading, in use too."""
+    """Channels at the end of their converter's range: every such reading counts, in use too."""
     return [
         Finding(
             "FAIL" if share > USELESS_END_SHARE else "WARN",
@@ -140,7 +140,7 @@ def of_ends(shoe: Shoe, shares: Sequence[float]) -> list[Finding]:
 
 
 def of_weights(found: Sequence[WrongWeight]) -> list[Finding]:
-    """Runs under another weight; the last two together when nothing tells which is right."""
+    """Runs under another weight; the last two together when it is unknown which is right."""
     if len(found) > 1 and found[-1].undecided:
         one, other = found[-2:]
         apart = (abs(one.excess) + abs(other.excess)) / 2.0
@@ -148,8 +148,8 @@ def of_weights(found: Sequence[WrongWeight]) -> list[Finding]:
             Finding(
                 "FAIL",
                 f"runs {one.run} and {other.run} were recorded under weights {apart:.1f} N apart "
-                "and no third tells which is right: see that the robot carries nothing and is not "
-                "held, then record again",
+                "and no third run shows which is right: see that the robot carries nothing and is "
+                "not held, then record again",
                 Fault.WRONG_WEIGHT,
             )
         ]
@@ -172,7 +172,7 @@ def of_slips(slips: Mapping[int, Slipped]) -> list[Finding]:
     return [
         Finding(
             "WARN",
-            f"a foot slipped in run {run} at {slip.time:.1f} s (by what the joints tell of it, "
+            f"a foot slipped in run {run} at {slip.time:.1f} s (by the joint angles, "
             f"{1e3 * np.linalg.norm(slip.shift[:2]):.1f} mm and {np.degrees(slip.shift[2]):.1f} "
             "deg): where it came to rest is not known, so what came after is left out; record the "
             "run again",

@@ -36,10 +36,10 @@ follow came to 3.6, cells that were stuck to 23 and more."""
 LEAST_BLOCKS = 10
 """Shorter stretches are no evidence."""
 COARSE, FINE = 60, 400
-"""Stretches begin and end at one of so many moments: while a law is fitted to each, and once one
+"""Stretches start and end at one of so many moments: while a law is fitted to each, and once one
 law is known."""
 ROUNDS, EXACT_ROUNDS = 3, 2
-"""Times that the law is fitted anew without the stretch, and with its ends to single blocks."""
+"""Times that the law is fitted again without the stretch, and with its ends to single blocks."""
 MOST_STRETCHES = 10
 """That one channel may have."""
 CORRELATED = 10
@@ -108,7 +108,7 @@ def halts(
 
 
 def neighbours(shoe: Shoe, channel: int) -> IntArray:
-    """Channels of the same foot and kind."""
+    """(k,) indices of the other channels of the same foot and kind."""
     same = (shoe.foot == shoe.foot[channel]) & (shoe.torque == shoe.torque[channel])
     same[channel] = False
     return np.flatnonzero(same)
@@ -366,7 +366,7 @@ def _pairs(count: int, moments: int) -> tuple[IntArray, IntArray]:
 
 
 def _around(part: slice, count: int) -> tuple[IntArray, IntArray]:
-    """Stretches that begin and end near those of one found at the moments of `FINE`."""
+    """Stretches that start and end near those of one found at the moments of `FINE`."""
     reach = np.arange(-(count // FINE) - 1, count // FINE + 2)
     first, end = np.meshgrid(part.start + reach, part.stop + reach)
     inside = (first >= 0) & (end <= count) & (first < end)

@@ -19,7 +19,7 @@ def spread(values: FloatArray) -> FloatArray:
 
 
 def resolution(readings: FloatArray) -> FloatArray:
-    """(n,) smallest step between two readings (T, n) that follow each other; 0 without any."""
+    """(n,) smallest step between two readings (T, n) in a row, in their unit; 0 without any."""
     steps = np.abs(np.diff(readings, axis=0))
     smallest = np.min(np.where(steps > 0.0, steps, np.inf), axis=0, initial=np.inf)
     return np.where(np.isfinite(smallest), smallest, 0.0)

@@ -1,4 +1,4 @@
-"""Does the robot move slowly enough, as its joints tell?
+"""Does the robot move slowly enough, by its joint angles?
 
 A body that accelerates has its CoP not below its CoM but, as the zero-moment point, off by
 z a / g: height of the CoM times horizontal acceleration over gravity.
@@ -20,7 +20,7 @@ FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 LONGEST_GAP_S = 0.05
-"""Beside longer gaps in the recording nothing can be said."""
+"""Near longer gaps in the recording accelerations are unknown."""
 SMOOTHING_S = 0.3
 """Window of the local cubic that accelerations are taken from."""
 NOISE_STDS = 6.0

@@ -25,7 +25,7 @@ class LeftOut:
         samples: how many; each counts for the first fault that was found of it.
         share: of the run's samples.
         stretches: first and last time of each stretch of them, since the run's start [s].
-        channels: names of those that are at fault; empty where all are concerned.
+        channels: names of the faulty ones; empty where all are concerned.
     """
 
     run: int

@@ -23,7 +23,7 @@ from shoecal_core.shoe.wrench import ChannelParameters, at_cop
 FloatArray = NDArray[np.float64]
 
 ROUNDS = 5
-"""Times that the blocks are weighed anew."""
+"""Times that the blocks are weighted again."""
 FAR = 3.0
 """Blocks this many of their typical deviations off count half."""
 LEAST_SPREAD = 0.2
@@ -120,12 +120,12 @@ def prior(
 
 
 def solve(runs: Mapping[int, Equations], information: FloatArray) -> RoughFit:
-    """Least squares over some runs, the blocks weighed as they are."""
+    """Least squares over some runs, the blocks weighted as they are; prior information (2n,)."""
     return solve_sums([run.sums() for run in runs.values()], information)
 
 
 def solve_sums(runs: Sequence[NormalEquations], information: FloatArray) -> RoughFit:
-    """The same from the runs' sums."""
+    """The same from the runs' sums, with prior information (2n,)."""
     matrix = np.diag(information) + np.sum([run.product for run in runs], axis=0)
     right = np.sum([run.right for run in runs], axis=0)
     # Gains are some hundred times offsets: scaled, or a cell that never moved is not seen.
@@ -138,7 +138,7 @@ def solve_sums(runs: Sequence[NormalEquations], information: FloatArray) -> Roug
 
 
 def reweighed(runs: Mapping[int, Equations], information: FloatArray) -> dict[int, Equations]:
-    """The same equations; blocks that fit badly count less."""
+    """The same equations; blocks that fit badly with prior information (2n,) count less."""
     first = {number: run.weight for number, run in runs.items()}
     runs = dict(runs)
     for _ in range(ROUNDS):

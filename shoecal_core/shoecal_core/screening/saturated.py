@@ -31,13 +31,13 @@ END_SHARE = 1e-6
 AT_END_STDS = 4.0
 """A reading is at its extreme when it is within this many standard deviations of it."""
 MISSING_STDS, TREMBLING_STDS = 0.5, 3.0
-"""Less missing force tells nothing, in the settings' standard deviations of the force, and in
+"""Less missing force does not count, in the settings' standard deviations of the force, and in
 those of the force's noise."""
 SCATTER_STDS = 2.5
 """Nor does force that may be missing by chance: in standard deviations of the force's error while
 the cell is away from its extreme, for one visit there; of several visits the mean counts."""
 LEAST_S = 0.6
-"""Time at the extreme from which missing force tells something [s]."""
+"""Time at the extreme from which missing force counts [s]."""
 
 
 @dataclass(frozen=True)
@@ -67,8 +67,8 @@ def at_ends(shoe: Shoe, values: FloatArray) -> BoolArray:
     return ends
 
 
-def told_at_ends(shoe: Shoe, readings: Readings) -> BoolArray:
-    """(T, n) the same, and those of which the device says so."""
+def at_ends_or_marked(shoe: Shoe, readings: Readings) -> BoolArray:
+    """(T, n) the same, and readings that the device marks as saturated."""
     ends: BoolArray = at_ends(shoe, readings.value) | (readings.status == SATURATED)
     return ends
 

@@ -18,7 +18,7 @@ from shoecal_core.screening.disturbed import FAST_MOTION
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.findings import of_time_offset
 from shoecal_core.screening.result import LeftOut, Screening
-from shoecal_core.screening.saturated import ended, told_at_ends
+from shoecal_core.screening.saturated import at_ends_or_marked, ended
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.screening.standing import screen_standing
 from shoecal_core.screening.stretches import JOIN_S, stretches
@@ -74,7 +74,7 @@ def _lost(
     """Samples that were recorded and could not be aligned."""
     lost = []
     for number, run in runs.items():
-        ends = told_at_ends(shoe, run.readings)
+        ends = at_ends_or_marked(shoe, run.readings)
         gone = ~np.isin(run.readings.time, aligned[number].time)
         for fault, marked in (
             (Fault.SATURATED, gone & ends.any(axis=1)),
@@ -82,7 +82,7 @@ def _lost(
         ):
             count = int(marked.sum())
             if count:
-                at_fault = np.flatnonzero(np.any(ends[marked], axis=0))
+                faulty = np.flatnonzero(np.any(ends[marked], axis=0))
                 lost.append(
                     LeftOut(
                         number,
@@ -90,7 +90,7 @@ def _lost(
                         count,
                         count / len(marked),
                         stretches(marked, run.readings.time, JOIN_S),
-                        tuple(shoe.names[index] for index in at_fault),
+                        tuple(shoe.names[index] for index in faulty),
                     )
                 )
     return tuple(lost)
@@ -98,7 +98,7 @@ def _lost(
 
 def _cells(runs: Mapping[int, Run], aligned: Mapping[int, Aligned], shoe: Shoe) -> list[Finding]:
     """Faults of single cells, for which no model is needed."""
-    ends = np.concatenate([told_at_ends(shoe, run.readings) for run in runs.values()])
+    ends = np.concatenate([at_ends_or_marked(shoe, run.readings) for run in runs.values()])
     parts = {number: blocks(one, shoe) for number, one in aligned.items()}
     silent = dead(shoe, parts)
     found = halted(shoe, parts, silent)

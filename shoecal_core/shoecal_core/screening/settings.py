@@ -34,8 +34,8 @@ class CalibrationSettings(Settings):
         0.02, "s", "how far joints and readings are apart in time", minimum=0.0
     )
     model_error_rad: float = setting(
-        0.002, "rad", "errors of the model that no error source explains, as if soles leant by "
-        "this; alike for correlation_s", minimum=1e-6,
+        0.002, "rad", "errors of the model that no error source explains, as a tilt of the soles; "
+        "alike for correlation_s", minimum=1e-6,
     )  # fmt: skip
     correction_std_m: float = setting(
         0.0, "m", "size of one typical term of the paper's CoP correction; 0: none, the joint fit "

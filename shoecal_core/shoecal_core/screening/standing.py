@@ -1,4 +1,4 @@
-"""Screening of runs in double support: what statics and the model of the body tell of them."""
+"""Screening of runs in double support by statics and the model of the body."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Stretches of time: marked samples put together, widened, and told to a person."""
+"""Stretches of time: marked samples put together, widened, and listed for a person."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ BoolArray = NDArray[np.bool_]
 Stretch = tuple[float, float]
 
 JOIN_S = 1.0
-"""Stretches no farther apart are told as one [s]."""
-TOLD = 3
+"""Stretches no farther apart are reported as one [s]."""
+MOST_TIMES = 3
 """So many stretches are named by their times; the others are counted."""
 
 
@@ -33,7 +33,7 @@ def stretches(mask: BoolArray, time: FloatArray, join_s: float = 0.0) -> tuple[S
 
 
 def widened(mask: BoolArray, time: FloatArray, margin_s: float) -> BoolArray:
-    """Also marked: what is within `margin_s` of a marked sample."""
+    """(T,) marked samples and those within `margin_s` of one, by their times (T,) [s]."""
     wide = mask.copy()
     for start, end in stretches(mask, time):
         first = np.searchsorted(time, start - margin_s)
@@ -42,7 +42,7 @@ def widened(mask: BoolArray, time: FloatArray, margin_s: float) -> BoolArray:
 
 
 def lasting(mask: BoolArray, time: FloatArray, least_s: float) -> BoolArray:
-    """Marked: samples of stretches that last at least `least_s`."""
+    """(T,) marked samples of stretches that last at least `least_s`, by their times (T,) [s]."""
     long = np.zeros_like(mask)
     for start, end in stretches(mask, time):
         if end - start >= least_s:
@@ -52,11 +52,11 @@ def lasting(mask: BoolArray, time: FloatArray, least_s: float) -> BoolArray:
 
 def list_stretches(found: Sequence[Stretch]) -> str:
     """When it was, the longest stretches: `at 3.2 s, 7.0 to 8.5 s`; empty without any."""
-    longest = sorted(found, key=lambda one: one[0] - one[1])[:TOLD]
+    longest = sorted(found, key=lambda one: one[0] - one[1])[:MOST_TIMES]
     parts = [
         f"{start:.1f} s" if end - start < 0.05 else f"{start:.1f} to {end:.1f} s"
         for start, end in sorted(longest)
     ]
-    if len(found) > TOLD:
-        parts.append(f"{len(found) - TOLD} more times")
+    if len(found) > MOST_TIMES:
+        parts.append(f"{len(found) - MOST_TIMES} more times")
     return f"at {', '.join(parts)}" if parts else ""

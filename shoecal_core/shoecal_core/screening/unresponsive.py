@@ -19,7 +19,7 @@ BoolArray = NDArray[np.bool_]
 DEAD_SHARE = 0.02
 """A channel that moves by less than this share of the others' range is dead."""
 LIVING = 0.05
-"""Part of a session in which a dead channel may have lived: no law can be told by less."""
+"""Part of a session in which a dead channel may have lived: less is not enough to fit a law."""
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,7 @@ def stuck(runs: Mapping[int, ReadingBlocks], found: Sequence[StuckBlocks]) -> li
 
 
 def joined(runs: Mapping[int, ReadingBlocks]) -> FloatArray:
-    """(B, n) readings of all runs, one after the other."""
+    """(B, n) raw readings of the blocks of all runs, one after the other."""
     return np.concatenate([blocks.readings for blocks in runs.values()])
 
 

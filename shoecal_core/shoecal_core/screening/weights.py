@@ -1,7 +1,7 @@
-"""Was a run recorded under another weight: with a load in the hands, or held by somebody?
+"""Was a run recorded under another weight: with a load in the hands, or while it was held?
 
-Each run's forces are told from gains and offsets that the other runs alone have fixed. What all
-runs have in common cannot be told from wrong gains.
+Each run's forces are computed with gains and offsets fitted to the other runs alone. An error that
+all runs have in common looks like wrong gains.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class WrongWeight:
         run: its number.
         excess: measured less expected force [N].
         limit: up to which it could have been chance [N].
-        undecided: it is this run or the one told beside it.
+        undecided: it is this run or the other one that is reported.
     """
 
     run: int
@@ -45,7 +45,8 @@ def wrong_weights(
 ) -> list[WrongWeight]:
     """Runs that do not agree with the others, the worst first, as long as most do agree.
 
-    Two runs that do not agree are both returned: nothing tells which of them is right.
+    With prior information (2n,) on gains and offsets. Two runs that do not agree are both
+    returned: which of them is right is unknown.
     """
     kept, found = dict(runs), list[WrongWeight]()
     while len(kept) > 1:

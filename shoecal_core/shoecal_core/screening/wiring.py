@@ -125,8 +125,8 @@ def _inverted(
     readings = np.concatenate([one.readings for one in runs.values()])
     moved = np.abs(tried.fits[0].parameters.gain) * readings.std(axis=0)
     lever = np.linalg.norm(shoe.columns[place, 1:], axis=1)
-    told = shoe.vertical[place] | (2.0 * moved * lever / (0.5 * weight) > least)
-    return np.asarray(np.all(signs, axis=0) & told)
+    judged = shoe.vertical[place] | (2.0 * moved * lever / (0.5 * weight) > least)
+    return np.asarray(np.all(signs, axis=0) & judged)
 
 
 def _better(one: _Tried, other: _Tried, least: float = BETTER) -> bool:

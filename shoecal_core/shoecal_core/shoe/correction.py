@@ -61,7 +61,7 @@ class CopCorrection:
         return len(self.x) - POLYNOMIAL
 
     def correct(self, raw: FloatArray, outputs: FloatArray) -> FloatArray:
-        """Corrected CoP (..., 2) of a raw CoP (..., 2) and outputs (..., k)."""
+        """Corrected CoP (..., 2) of a raw CoP (..., 2) [m] and outputs (..., k) [N]."""
         in_x, in_y = features(raw, outputs)
         return raw + np.stack((in_x @ self.x, in_y @ self.y), axis=-1)
 

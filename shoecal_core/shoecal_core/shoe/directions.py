@@ -11,7 +11,7 @@ from shoecal_core.shoe.shoe import FEET, Shoe
 FloatArray = NDArray[np.float64]
 _KINDS = ("gains", "offsets")
 _ENOUGH = 0.7
-"""Part of a direction that its description must tell."""
+"""Part of a direction that its description must name."""
 _MOST = 3
 """Parts named at most."""
 _ALONE = 3.0
@@ -33,11 +33,11 @@ def describe_direction(shoe: Shoe, direction: FloatArray) -> str:
     parts = _by_pattern(shoe, direction) if _has_cells_only(shoe) else _by_channel(shoe, direction)
     parts.sort(key=lambda part: -part[0])
     whole = float(direction @ direction)
-    told, names = 0.0, []
+    named, names = 0.0, []
     for energy, name in parts[:_MOST]:
-        if told >= _ENOUGH * whole:
+        if named >= _ENOUGH * whole:
             break
-        told += energy
+        named += energy
         names.append(name)
     return " with ".join(names)
 

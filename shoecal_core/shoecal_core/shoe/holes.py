@@ -40,7 +40,7 @@ class Holes:
         return place
 
     def walk(self) -> tuple[str, ...]:
-        """Every hole once, each beside the one before: rows run forth and back."""
+        """Every hole once, each next to the one before: rows run forth and back."""
         rows = [
             self.names[start : start + self.columns]
             for start in range(0, len(self.names), self.columns)

@@ -22,7 +22,7 @@ from shoecal_core.shoe.holes import Holes, read_holes
 FORMAT = 1
 FEET = ("left", "right")
 MIN_CELL_SPREAD = 5e-3
-"""m; cells nearer to one line than this cannot tell a CoP."""
+"""m; cells nearer to one line than this cannot measure a CoP."""
 
 MAX_DISTANCE = 1.0
 """m; anything further away is a place given in millimetres."""
@@ -43,7 +43,7 @@ class Channel:
         position: (2,) place in the sole frame [m]; a sensor's axes share their sensor's.
         torque: the output is a torque [N m], else a force [N].
         polarity: +1 or -1 where the sign of the reading under load is known, else 0.
-        nominal_gain: output per reading by the maker's data sheet, None where nobody knows.
+        nominal_gain: output per reading by the maker's data sheet, None where it is not known.
         lowest, highest: readings at the ends of the converter's range.
     """
 
@@ -182,7 +182,7 @@ class Shoe:
             raise NameNotFoundError("channel", name, self.names) from None
 
     def of_foot(self, foot: int) -> NDArray[np.int64]:
-        """Indices of one foot's channels."""
+        """(k,) indices of one foot's channels."""
         return np.flatnonzero(self.foot == foot)
 
 
@@ -361,7 +361,7 @@ def _check_cop(block: Fields, channels: list[Channel]) -> None:
             "which `shoecal manual` can calibrate)",
         )
     columns = np.array([channel.column for channel in channels])
-    # The smaller singular value tells how far the cells lie off their common line.
+    # The smaller singular value is how far the cells lie off their common line.
     singular = np.linalg.svd(columns - columns.mean(axis=0), compute_uv=False)
     cells_only = bool(np.all(columns[:, 0] == 1.0))
     if cells_only and singular[1] < MIN_CELL_SPREAD:

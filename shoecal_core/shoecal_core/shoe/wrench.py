@@ -82,7 +82,7 @@ def cop(wrench: FloatArray, minimum_force: float) -> FloatArray:
 
 
 def at_cop(force: FloatArray, place: FloatArray) -> FloatArray:
-    """Wrench (..., 3) of a vertical force (...,) at a place (..., 2)."""
+    """Wrench (..., 3) [N, N m] of a vertical force (...,) [N] at a place (..., 2) [m]."""
     return np.stack((force, place[..., 1] * force, -place[..., 0] * force), axis=-1)
 
 
@@ -104,10 +104,10 @@ def columns_in_left(shoe: Shoe, support: DoubleSupport) -> FloatArray:
 
 
 def combined(wrenches: FloatArray, support: DoubleSupport) -> FloatArray:
-    """Wrench (..., 3) of both feet together in the left sole's frame.
+    """Wrench (..., 3) of both feet together in the left sole's frame [N, N m].
 
     Args:
-        wrenches: (..., 2, 3) of each foot in its own sole frame.
+        wrenches: (..., 2, 3) of each foot in its own sole frame [N, N m].
     """
     both: FloatArray = wrenches[..., 0, :] + wrenches[..., 1, :] @ to_left(support).T
     return both

@@ -12,7 +12,7 @@ from shoecal_core.recording.run import Run
 from shoecal_core.recording.schemas import GOOD
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.kinematics import Kinematics
-from shoecal_core.samples.aligned import MAX_JOINT_GAP_S, align, told_joints
+from shoecal_core.samples.aligned import MAX_JOINT_GAP_S, align, recorded_joints
 from shoecal_core.samples.zeros import with_own_zeros
 from shoecal_core.screening.extract import zeros_of
 from shoecal_core.shoe.sensing import Measured, Sensing
@@ -39,7 +39,7 @@ class Applied:
     cop: FloatArray
 
     def columns(self) -> dict[str, FloatArray]:
-        """Each quantity by its name and unit."""
+        """Each quantity (T,) by its name and unit."""
         found = {"time_s": self.time, "grf_n": self.measured.total_grf}
         found |= {"cop_x_m": self.cop[:, 0], "cop_y_m": self.cop[:, 1]}
         for index, foot in enumerate(FEET):
@@ -59,7 +59,7 @@ def apply(run: Run, sensing: Sensing, kinematics: Kinematics) -> Applied:
     readings, robot = run.readings, kinematics.robot
     good = np.isfinite(readings.value) & (readings.status == GOOD)
     measured = sensing.measure(np.where(good, readings.value, np.nan))
-    names = told_joints(run, robot)
+    names = recorded_joints(run, robot)
     angles, covered = interpolate_joints(run.joints, readings.time, MAX_JOINT_GAP_S, names=names)
     states = kinematics.states(robot.from_measured(names, angles[covered]))
     support = np.full((len(readings.time), 3), np.nan)
@@ -82,6 +82,6 @@ def _both(measured: Measured, support: FloatArray) -> FloatArray:
     right = np.column_stack((cosine * x - sine * y, sine * x + cosine * y)) + support[:, :2]
     in_left = np.stack((measured.cop[:, 0], right), axis=1)
     both = replace(measured, cop=in_left).combined_cop(DoubleSupport(0.0, 0.0, 0.0))
-    # A right foot that carries something, nobody knows where.
+    # A right foot that carries load, where is not known.
     both[np.isfinite(x) & ~np.isfinite(right[:, 0])] = np.nan
     return both

@@ -76,7 +76,7 @@ from shoecal_core.shoe.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]
 DISTINCT_SUPPORTS = 2
-"""Gains and offsets of two feet cannot be told apart in fewer double supports."""
+"""Gains and offsets of two feet cannot be separated in fewer double supports."""
 
 
 def calibrate_session(
@@ -288,13 +288,14 @@ def _require_supports(
         return  # each foot stood alone
     distinct = count_distinct(stance.support for stance in double)
     if distinct < DISTINCT_SUPPORTS:
-        told = "".join(f"; {finding.reason}" for finding in found)
+        reasons = "".join(f"; {finding.reason}" for finding in found)
         if walks(stances):
-            told = f"; {stances_found(stances)}{told}"
+            reasons = f"; {stances_found(stances)}{reasons}"
         raise SessionError(
             session.folder,
             f"{distinct} double support{'' if distinct == 1 else 's'} among the training runs; "
-            f"record at least {DISTINCT_SUPPORTS} that differ in yaw (3 or more are better){told}",
+            f"record at least {DISTINCT_SUPPORTS} that differ in yaw (3 or more are better)"
+            f"{reasons}",
         )
 
 

@@ -37,7 +37,7 @@ class DiagnosisJob:
     Attributes:
         session: its folder.
         settings, tolerances: of the diagnosis.
-        calibration: file of one whose own gap is told beside it; None: none.
+        calibration: file of one whose own gap is reported as well; None: none.
         weight_kg: of robot and shoes, in place of the robot file's; None: that.
         rezero: whether each run is taken with its own zeros.
         train, test: runs; empty: as the session marks them.
@@ -103,13 +103,13 @@ class Diagnosed:
     zeros: list[ZeroFigures] = field(default_factory=list)
 
     def to_json(self) -> dict[str, object]:
-        """The diagnosis as it is told to programs, or the error in its place."""
+        """The diagnosis for programs, or the error in its place."""
         if self.diagnosis is None:
             return {"session": str(self.session), "error": self.error}
-        told = {"session": str(self.session), **self.diagnosis.to_json(), "zeros": self.zeros}
+        result = {"session": str(self.session), **self.diagnosis.to_json(), "zeros": self.zeros}
         if self.calibrated is not None:
-            told["calibration"] = vars(self.calibrated).copy()
-        return told
+            result["calibration"] = vars(self.calibrated).copy()
+        return result
 
 
 def do(job: DiagnosisJob, progress: Progress | None = None) -> Diagnosed:
@@ -118,7 +118,7 @@ def do(job: DiagnosisJob, progress: Progress | None = None) -> Diagnosed:
     Raises:
         ShoecalError: for a session, a calibration or an option that cannot be used.
     """
-    tell = progress or (lambda _text, _share: None)
+    report = progress or (lambda _text, _share: None)
     session = Session.open(job.session, force=job.force)
     effects = _library(job.effects_from)
     known = [effect.identifier for effect in effects]
@@ -139,10 +139,10 @@ def do(job: DiagnosisJob, progress: Progress | None = None) -> Diagnosed:
         without=job.without,
         only=job.wanted if job.only else None,
         effects=effects,
-        progress=lambda text, share: tell(text, SIMULATED_FROM * share),
+        progress=lambda text, share: report(text, SIMULATED_FROM * share),
     )
     if job.simulate and found.causes:
-        tell("simulating what was found", SIMULATED_FROM)
+        report("simulating what was found", SIMULATED_FROM)
         found = with_simulated_shrink(found, session)
         if not job.only:
             found = after_replay(found)
@@ -159,7 +159,7 @@ def do(job: DiagnosisJob, progress: Progress | None = None) -> Diagnosed:
             found, job.report, robot=robot, shoe=session.shoe, provenance=provenance
         )
     calibrated = None if calibration is None else _calibrated(calibration, session, found.test)
-    tell("done", 1.0)
+    report("done", 1.0)
     parameters = None if calibration is None else calibration.parameters
     return Diagnosed(
         job.session,

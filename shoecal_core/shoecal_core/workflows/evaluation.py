@@ -38,7 +38,7 @@ from shoecal_core.shoe.sensing import Sensing
 from shoecal_core.workflows.calibrate import rezeroed
 
 MEASURED, MODELLED, REFERENCE, TRUTH = "measured", "modelled", "reference", "truth"
-"""What is told of a run: by the calibration, the model, the one taken as right, the simulator."""
+"""Sources of a run's series: calibration, model, the calibration taken as right, simulator."""
 
 FITTED_TO_NO_RUN = ("manual", "identity")
 """Sources of calibrations for which every run of a session is new."""
@@ -125,7 +125,7 @@ class Evaluated:
     """A calibration on the runs of a session.
 
     Attributes:
-        runs: what is told of each, training runs first.
+        runs: the series of each, training runs first.
         zeros: what each foot reads in the air, as in result files.
         verdict: by the errors against the model, and by the zeros.
         weighed: the weight by data sheets; None where it cannot be known.
@@ -195,7 +195,7 @@ def compare_runs(
     train: Sequence[int] = (),
     test: Sequence[int] = (),
 ) -> list[ComparedRun]:
-    """What is told of every run by `evaluate_session`."""
+    """The runs of `evaluate_session`."""
     return evaluate_session(session, calibration, reference, train, test).runs
 
 
@@ -205,7 +205,7 @@ def compare_data(
     sets: Mapping[str, Sequence[int]],
     measuring: Mapping[str, Sensing],
 ) -> list[ComparedRun]:
-    """What shoes under several calibrations, the model and the truth tell of the same instants.
+    """Series by several calibrations, the model and the truth at the same instants.
 
     Args:
         session: that the data are of; its truth is used where every run has one.
@@ -226,8 +226,8 @@ def compare_data(
             run=run,
             set=name,
             sources={
-                source: tuple(told(stance) for stance in data.stances[run])
-                for source, told in sources.items()
+                source: tuple(series_of(stance) for stance in data.stances[run])
+                for source, series_of in sources.items()
             },
         )
         for name, runs in sets.items()

@@ -28,7 +28,7 @@ def over_cores(
     """Results as they come, each with the number of its job.
 
     Args:
-        work: a function of a module: each process imports it anew.
+        work: a function of a module: each process imports it again.
         jobs: can be pickled.
         cores: processes at a time; by default as many as this machine has.
     """
@@ -58,7 +58,7 @@ def over_cluster(
         scheduler: address, for example tcp://10.0.0.5:8786.
 
     Raises:
-        ShoecalError: without Dask, or when nobody answers there.
+        ShoecalError: without Dask, or when no scheduler answers there.
     """
     try:
         distributed = importlib.import_module("distributed")

@@ -34,7 +34,7 @@ from shoecal_core.screening.verdict import tell_reasons
 from shoecal_core.workflows.calibrate import calibrate_session
 
 JOINT_ZERO, MASS, COM = "joint_offset", "link_mass", "link_com"
-"""Effects of a fit that a URDF can tell of."""
+"""Effects of a fit that a URDF can hold."""
 FOLDS = 4
 """Of a cross-validation."""
 _URDF_LINE = re.compile(r"^urdf:.*$", re.MULTILINE)
@@ -79,18 +79,18 @@ def correct_robot(
         session: recorded at rest.
         train, test: runs; see `split_runs`.
         settings, tolerances: of the fit.
-        progress: is told what is being done and the share done.
+        progress: called with what is being done and the share done.
 
     Raises:
         SessionError: of a session whose calibration fails its checks, or of a walk, whose fit
-            tells nothing of the robot.
+            holds no errors of the robot.
         FieldError: where `urdf` has no line of its own in the robot file.
     """
     progress("fitting all runs", 0.0)
     outcome = calibrate_session(session, train, test, settings, tolerances)
     if outcome.calibration.verdict == "FAIL":
-        told = tell_reasons(outcome.calibration.reasons, 1)
-        raise SessionError(session.folder, f"no fit to correct the robot by: {told}")
+        reasons = tell_reasons(outcome.calibration.reasons, 1)
+        raise SessionError(session.folder, f"no fit to correct the robot by: {reasons}")
     found = _found(session, outcome)
     held_out = [(outcome, outcome.test)]
     if not outcome.test:
@@ -123,7 +123,8 @@ def _found(session: Session, outcome: CalibrationOutcome) -> tuple[FittedDeviati
     if outcome.joint is None:
         raise SessionError(
             session.folder,
-            "is of a walk, which tells nothing of joint zeros and masses; record double supports",
+            "is of a walk, in which joint zeros and masses are not identifiable; record double "
+            "supports",
         )
     return tuple(
         one

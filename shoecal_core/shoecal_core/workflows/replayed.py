@@ -28,7 +28,7 @@ RATE_HZ = 25.0
 
 @dataclass(frozen=True)
 class Replayed:
-    """What the simulated robot told, at T instants of the recorded run.
+    """Readings of the simulated robot at T instants of the recorded run.
 
     Attributes:
         run: its number.
@@ -81,9 +81,9 @@ def replay(run: Run, robot: Robot, shoe: Shoe, drawn: SampledRobot, begun: float
     snapshots = []
     for instant in time:
         while pending and pending[0].start <= instant:
-            told = pending.pop(0)
-            sim.step_to(start + told.start)
-            sim.command(JointTrajectory(told.names, told.time, told.position))
+            command = pending.pop(0)
+            sim.step_to(start + command.start)
+            sim.command(JointTrajectory(command.names, command.time, command.position))
         sim.step_to(start + instant)
         sim.check_upright()
         snapshots.append(sim.snapshot())

@@ -1,6 +1,6 @@
 """Offsets corrected from one standstill: cells drift, their gains hardly do.
 
-A standstill tells k differences e between measured and modelled values (`standstill`), a drift of
+A standstill gives k differences e between measured and modelled values (`standstill`), a drift of
 the n offsets has more directions. The change d of the offsets is the smallest one, weighed by how
 uncertain each offset is under the gains as they are, that takes the differences away: minimise
 d' S^-1 d subject to H d = -e, so d = -K e with K = S H' (H S H')^-1. After it, gains and offsets
@@ -34,7 +34,7 @@ from shoecal_core.shoe.wrench import ChannelParameters
 FloatArray = NDArray[np.float64]
 
 DRIFT_STD = 0.1
-"""How far an offset drifts in an hour or longer, where nothing tells that it was more [N]."""
+"""How far an offset drifts in an hour or longer, where no sign of more is seen [N]."""
 DRIFT_TIME_S = 3600.0
 LEAST_DRIFT = 0.01
 """Share of that variance which is there at once."""
@@ -76,13 +76,13 @@ class Rezeroed:
                 f"nothing corrected: {self.before.reason}; that is no more than weight and model "
                 "may be off, so the offsets stay as calibrated"
             )
-        told = "the feet in the air read zero again"
+        done = "the feet in the air read zero again"
         if self.before is not None and self.after is not None:
             grf = abs(self.after.grf_error - self.before.grf_error)
             cop = abs(self.before.cop_error - self.after.cop_error)
-            told = f"corrected GRF by {grf:.2f} N and CoP by {1e3 * cop:.1f} mm"
+            done = f"corrected GRF by {grf:.2f} N and CoP by {1e3 * cop:.1f} mm"
         return (
-            f"{told}; from {self.where} {self.directions} of {len(self.change)} directions of the "
+            f"{done}; from {self.where} {self.directions} of {len(self.change)} directions of the "
             "offsets can be corrected, the rest stays as calibrated"
         )
 
@@ -120,7 +120,7 @@ def rezero(
     hanging = hanging_feet(calibration, shoe, readings, body)
     found = compare(calibration, shoe, readings, body, hanging, tolerance)
     before = drift_of(found, calibration, readings) if found.loaded else None
-    chosen = _told_better(calibration, before, len(found.error))
+    chosen = _better_known(calibration, before, len(found.error))
     if not chosen.any():
         nothing = np.zeros(len(shoe.names))
         return Rezeroed(calibration, nothing, 0, before, before, found.where)
@@ -147,8 +147,8 @@ def rezero(
     )
 
 
-def _told_better(calibration: Calibration, before: Drift | None, count: int) -> NDArray[np.bool_]:
-    """(k,) which differences weight and model tell better than the calibration."""
+def _better_known(calibration: Calibration, before: Drift | None, count: int) -> NDArray[np.bool_]:
+    """(k,) which differences are better known by weight and model than by the calibration."""
     chosen = np.ones(count, dtype=bool)
     if before is not None and not shares_model(calibration):
         chosen[0] = before.grf_beyond
@@ -165,7 +165,7 @@ def _prior(
 ) -> FloatArray:
     """(2n, 2n) covariance of gains and offsets as they are now: what is not known has drifted.
 
-    The drift is as large as time makes it, or as the differences tell: the least change that
+    The drift is as large as time makes it, or as the differences show: the least change that
     takes them away is k / n of it in variance.
     """
     count = len(shoe.names)
@@ -205,8 +205,8 @@ def _updated(
     gain = _gain(spread, found.slopes[chosen])
     whole = np.concatenate((np.zeros_like(gain), gain))
     kept = np.eye(len(prior)) - whole @ found.jacobian(readings)[chosen]
-    told = whole * found.tolerance[chosen]
-    return np.asarray(kept @ prior @ kept.T + told @ told.T)
+    added = whole * found.tolerance[chosen]
+    return np.asarray(kept @ prior @ kept.T + added @ added.T)
 
 
 def _with_offsets(calibration: Calibration, offset: FloatArray) -> Calibration:
@@ -219,7 +219,7 @@ def _require_drift(shoe: Shoe, change: FloatArray, largest: float) -> None:
     if abs(change[worst]) > largest:
         raise RezeroError(
             f"'{shoe.names[worst]}' is off by {change[worst]:.2f} N, more than a drift "
-            f"({largest:g} N): see that nothing touches the robot, else calibrate anew"
+            f"({largest:g} N): see that nothing touches the robot, else calibrate again"
         )
 
 

@@ -22,7 +22,7 @@ Message = tuple[int, str, bytes]
 """Stamp [ns], topic, CDR bytes."""
 
 _TEMPERATURE_PERIOD = 1.0
-"""s; motors and shoes tell their temperature that often."""
+"""s; motors and shoes report their temperature that often."""
 
 
 def record_run(
@@ -36,7 +36,7 @@ def record_run(
     hold: float,
     truth: bool = True,
 ) -> int:
-    """Write one run, and beside it the truth.
+    """Write one run, and with it the truth.
 
     Args:
         session: to add it to.
@@ -97,14 +97,14 @@ def _voltages(sim: SimulatedRobot, samples: SimulatedSamples, stamps: Stamps) ->
 
 
 def _imu(sim: SimulatedRobot, samples: SimulatedSamples, stamps: Stamps) -> Iterator[Message]:
-    told, frame = samples.imu, sim.drawn.body.links[0]
-    if told is None:
+    imu, frame = samples.imu, sim.drawn.body.links[0]
+    if imu is None:
         return
 
     def one(stamp: int, numbers: FloatArray) -> bytes:
         return messages.imu(stamp, frame, numbers[:4], numbers[4:7], numbers[7:])
 
-    numbers = np.hstack((told.orientation, told.angular_velocity, told.linear_acceleration))
+    numbers = np.hstack((imu.orientation, imu.angular_velocity, imu.linear_acceleration))
     for stamp, message in zip(stamps.tolist(), series(one, stamps, numbers), strict=True):
         yield stamp, schemas.IMU, message
 
@@ -117,17 +117,18 @@ def _motor_temperatures(
     moved = [sim.robot.joint_names[index] for index in sim.robot.moved]
     for index in _sparse(samples):
         stamp = int(stamps[index])
-        told = samples.joints.temperatures[index, sim.robot.moved]
-        for name, value in zip(moved, told, strict=True):
+        temperatures = samples.joints.temperatures[index, sim.robot.moved]
+        for name, value in zip(moved, temperatures, strict=True):
             yield stamp, schemas.JOINT_TEMPERATURES, messages.temperature(stamp, name, value)
 
 
 def _shoe_temperature(samples: SimulatedSamples, stamps: Stamps) -> Iterator[Message]:
-    told = samples.readings.temperature
+    temperature = samples.readings.temperature
     for index in _sparse(samples):
-        if np.isfinite(told[index]):
+        if np.isfinite(temperature[index]):
             stamp = int(stamps[index])
-            yield stamp, schemas.SHOE_TEMPERATURE, messages.temperature(stamp, "", told[index])
+            message = messages.temperature(stamp, "", temperature[index])
+            yield stamp, schemas.SHOE_TEMPERATURE, message
 
 
 def _sparse(samples: SimulatedSamples) -> list[int]:

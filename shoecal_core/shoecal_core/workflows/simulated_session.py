@@ -32,8 +32,8 @@ START_NS = 1_000_000_000
 """Stamp of the session's first instant: simulated time has no epoch, but 0 means unset in ROS."""
 HOLD_S = 1.0
 
-Told = Callable[[str, float], None]
-"""Hears what is being done, and the share done (0 to 1)."""
+Progress = Callable[[str, float], None]
+"""Called with what is being done, and the share done (0 to 1)."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class SimulationPlan:
     drawn: bool = False
 
 
-def simulate_session(plan: SimulationPlan, out: Path, progress: Told) -> Session:
+def simulate_session(plan: SimulationPlan, out: Path, progress: Progress) -> Session:
     """Draw the robot, let it do each run in its double support, record.
 
     Steps from one to the next are no runs.
@@ -74,7 +74,7 @@ def simulate_session(plan: SimulationPlan, out: Path, progress: Told) -> Session
     calibrates opens either.
 
     Args:
-        progress: told.
+        progress: see `Progress`.
 
     Raises:
         ShoecalError: when a support or a motion cannot be had, or the robot falls.
@@ -82,11 +82,11 @@ def simulate_session(plan: SimulationPlan, out: Path, progress: Told) -> Session
     robot, shoe = plan.robot, plan.shoe
     drawn = draw(plan.reality, robot, shoe, plan.robot_seed)
     simulated = SimulatedRobot(robot, shoe, drawn, np.random.default_rng([plan.seed, 1]))
-    beginning = _Beginning(plan, simulated, progress)
+    starts = _Starts(plan, simulated, progress)
     session = Session.create(out, robot.path, robot.urdf, shoe.path, seed=plan.seed)
     count = len(plan.runs)
     for index in range(count):
-        planned, motion = beginning.of_run(index)
+        planned, motion = starts.of_run(index)
         progress(f"moving in run {index + 1} of {count}", (index + 0.5) / count)
         trajectory = JointTrajectory(motion.joint_names, motion.time, motion.positions)
         start_ns = START_NS + round(1e9 * simulated.session_time)
@@ -97,10 +97,10 @@ def simulate_session(plan: SimulationPlan, out: Path, progress: Told) -> Session
     return session
 
 
-class _Beginning:
-    """Brings the simulated robot to where its runs begin, and plans what it does there."""
+class _Starts:
+    """Brings the simulated robot to where its runs start, and plans what it does there."""
 
-    def __init__(self, plan: SimulationPlan, simulated: SimulatedRobot, progress: Told) -> None:
+    def __init__(self, plan: SimulationPlan, simulated: SimulatedRobot, progress: Progress) -> None:
         self._plan, self._simulated, self._progress = plan, simulated, progress
         self._planner = Planner(plan.robot, plan.settings)
         self._stepper = Stepper(self._planner)

@@ -84,7 +84,7 @@ class Difference:
 def with_simulated_shrink(diagnosis: Diagnosis, session: Session) -> Diagnosis:
     """The same diagnosis, `simulated` filled in: of all causes together that can be simulated.
 
-    What cannot be is told in the notes.
+    Those that cannot are listed in the notes.
     """
     able = [cause for cause in diagnosis.causes if _can_be_simulated(cause)]
     notes = [
@@ -229,18 +229,18 @@ def _difference(
     parameters: ChannelParameters,
     settings: CalibrationSettings,
 ) -> Difference:
-    told = np.stack(
+    recorded = np.stack(
         [np.interp(replayed.time, run.readings.time, one) for one in run.readings.value.T], axis=1
     )
-    known = np.isfinite(told).all(axis=1)
+    known = np.isfinite(recorded).all(axis=1)
     support = run.info.support or DoubleSupport(0.0, 0.0, 0.0)
-    off = _shown(replayed.readings[known] - told[known], shoe, parameters)
+    off = _shown(replayed.readings[known] - recorded[known], shoe, parameters)
     grf, place = (
         one - other
         for one, other in zip(
             *(
                 _felt(readings[known], shoe, parameters, support)
-                for readings in (replayed.readings, told)
+                for readings in (replayed.readings, recorded)
             ),
             strict=True,
         )

@@ -16,7 +16,7 @@ PERIOD_S = 0.02
 """How often the robot is looked at while it steps [s]."""
 
 Watch = Callable[[Motion, float], None]
-"""Told the step and the time since its begin [s], every PERIOD_S."""
+"""Called with the step and the time since its start [s], every PERIOD_S."""
 
 
 def walk(
@@ -25,7 +25,7 @@ def walk(
     goal: DoubleSupport,
     watch: Watch = lambda *_: None,
 ) -> list[Motion]:
-    """Step until the feet stand in a double support, as the robot's own encoders tell.
+    """Step until the feet stand in a double support, by the robot's own encoders.
 
     Args:
         simulated: stands on both feet.
@@ -39,7 +39,7 @@ def walk(
     Raises:
         StepError: when no step, or too many, lead there.
         RobotFellError: when it falls.
-        StartError: when it no longer stands as a step must begin.
+        StartError: when it no longer stands as a step must start.
     """
     taken: list[Motion] = []
     while (motion := stepper.step(simulated.joints().angles, goal)) is not None:
@@ -55,9 +55,9 @@ def take(simulated: SimulatedRobot, motion: Motion, watch: Watch = lambda *_: No
     Raises:
         RobotFellError: when it falls.
     """
-    begin = simulated.time
+    start = simulated.time
     simulated.command(JointTrajectory(motion.joint_names, motion.time, motion.positions))
     for index in range(1, round((motion.duration + SETTLE_S) / PERIOD_S) + 1):
-        simulated.step_to(begin + index * PERIOD_S)
+        simulated.step_to(start + index * PERIOD_S)
         simulated.check_upright()
         watch(motion, index * PERIOD_S)

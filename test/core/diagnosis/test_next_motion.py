@@ -7,7 +7,7 @@ from itertools import combinations
 import pytest
 
 from shoecal_core.diagnosis.candidates import BY_HAND, STANCES, YAWED
-from shoecal_core.diagnosis.next_motion import TELLS, UNLOADED, propose
+from shoecal_core.diagnosis.next_motion import SEPARATED_BY, UNLOADED, propose
 from shoecal_core.diagnosis.result import Candidate
 from shoecal_core.error_sources.effects.contact import TURNED
 from shoecal_core.error_sources.effects.known import EFFECTS
@@ -21,7 +21,7 @@ def candidate(effect: str, *place: str, share: float = 0.5) -> Candidate:
 def test_every_motion_can_be_run_and_every_effect_is_known() -> None:
     known = {*MOTION_KINDS, *STANCES, *BY_HAND, UNLOADED}
     effects = {one.identifier for one in EFFECTS}
-    for these, those, motion in TELLS:
+    for these, those, motion in SEPARATED_BY:
         assert motion in known
         assert these | those <= effects
 

@@ -91,7 +91,9 @@ def test_what_the_robot_cannot_do_is_refused(nao: Robot) -> None:
     start = nao.posture
     with pytest.raises(NameNotFoundError, match="'Tail'"):
         trajectory([0.0], [[0.0]], "Tail").full(nao, start)
-    with pytest.raises(ShoecalError, match=r"'LKneePitch' is told to move .* beyond its limits"):
+    with pytest.raises(
+        ShoecalError, match=r"'LKneePitch' is commanded to move .* beyond its limits"
+    ):
         trajectory([0.0], [[3.0]], "LKneePitch").full(nao, start)
     with pytest.raises(ShoecalError, match="are one motor"):
         trajectory([0.0], [[0.1, 0.2]], "LHipYawPitch", "RHipYawPitch").full(nao, start)

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shoecal_core.screening.stretches import TOLD, lasting, list_stretches, stretches, widened
+from shoecal_core.screening.stretches import MOST_TIMES, lasting, list_stretches, stretches, widened
 
 TIME = np.arange(0.0, 10.0, 0.1)
 
@@ -52,5 +52,5 @@ def test_times_for_a_person() -> None:
     assert list_stretches([]) == ""
     assert list_stretches([(1.23, 1.25)]) == "at 1.2 s"
     assert list_stretches([(7.0, 8.5), (1.2, 1.2)]) == "at 1.2 s, 7.0 to 8.5 s"
-    many = [(float(k), k + 0.1 * k) for k in range(1, TOLD + 3)]
+    many = [(float(k), k + 0.1 * k) for k in range(1, MOST_TIMES + 3)]
     assert list_stretches(many) == "at 3.0 to 3.3 s, 4.0 to 4.4 s, 5.0 to 5.5 s, 2 more times"

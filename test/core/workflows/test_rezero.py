@@ -291,7 +291,7 @@ def test_it_says_what_it_could_do(shoe: Shoe, truth: ChannelParameters) -> None:
 
 def test_what_is_no_drift_is_refused(shoe: Shoe, truth: ChannelParameters) -> None:
     old = calibration(shoe, drifted(truth, np.full(len(shoe.names), 8.0)))
-    with pytest.raises(RezeroError, match="calibrate anew"):
+    with pytest.raises(RezeroError, match="calibrate again"):
         rezeroed(old, shoe, truth, stand(shoe), largest=5.0)
 
 

@@ -373,7 +373,7 @@ def test_offsets_are_corrected_at_a_standstill(live: World, robot: StandingRobot
     refused = rezero(live)
     assert not refused.success
     assert refused.error_code == Rezero.Response.TOO_FAR
-    assert "calibrate anew" in refused.message
+    assert "calibrate again" in refused.message
 
 
 def test_offsets_are_not_corrected_while_the_robot_moves(world: World) -> None:

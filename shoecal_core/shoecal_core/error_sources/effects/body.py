@@ -58,7 +58,7 @@ class TotalMass:
 
 
 def _known_mass(samples: Samples) -> FloatArray:
-    """(T,) on the robot beside its own [kg]."""
+    """(T,) on the robot in addition to its own [kg]."""
     found = np.zeros(len(samples.run))
     for track in samples.tracks:
         found[track.samples] = carried(track.motion)
@@ -66,7 +66,7 @@ def _known_mass(samples: Samples) -> FloatArray:
 
 
 def _gains_tied(samples: Samples) -> bool:
-    """Whether a data sheet, or runs both with and without a known weight, tell gains from mass."""
+    """Whether a data sheet, or runs with and without a known weight, separate gains from mass."""
     shoe = samples.shoe
     sheet = any(shoe.channels[i].nominal_gain is not None for i in places.vertical(shoe))
     return sheet or bool(np.ptp(_known_mass(samples)) > 0.0)

@@ -35,7 +35,7 @@ class FootPlacement:
         return places.each_foot(signal_model)
 
     def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
-        """All that is told in this sole's frame is told from a frame that is off."""
+        """All that is measured in this sole's frame is measured in a frame that is off."""
         foot = FEET.index(place[0])
         columns = [
             moved_sole(signal_model, foot, axis, np.ones(len(signal_model.samples.run)))
@@ -74,7 +74,7 @@ class Slip:
 
 
 def slipped(signal_model: SignalModel, foot: int, axis: int) -> FloatArray:
-    """(T, s) after a foot moved along one axis of its own frame: what the joints tell of it.
+    """(T, s) after a foot moved along one axis of its own frame, by the joint angles.
 
     The place by which the CoP is measured is as before. Not yet settled.
     """
@@ -102,7 +102,7 @@ def slipped(signal_model: SignalModel, foot: int, axis: int) -> FloatArray:
 def moved_sole(signal_model: SignalModel, foot: int, axis: int, how_far: FloatArray) -> FloatArray:
     """(T, s) when a sole is truly further along one axis of its frame (x, y, turn) a unit.
 
-    The stance's frame is the true sole, to which the model's CoM must be told anew.
+    The stance's frame is the true sole, into which the model's CoM is transformed.
     """
     samples = signal_model.samples
     states = samples.states

@@ -123,7 +123,7 @@ class OffAxisLoad:
             yield (FEET[foot],)
 
     def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
-        """Sideways forces as the torques of the leg's joints tell them."""
+        """Sideways forces by the torques of the leg's joints."""
         forces = sideways(signal_model)
         if forces is None:
             return
@@ -145,12 +145,12 @@ def sideways(signal_model: SignalModel) -> FloatArray | None:
     samples = signal_model.samples
     if any(track.efforts is None for track in samples.tracks):
         return None
-    told = samples.decimated(lambda track: np.asarray(track.efforts))
-    missing = told - signal_model.links.torque
+    efforts = samples.decimated(lambda track: np.asarray(track.efforts))
+    missing = efforts - signal_model.links.torque
     joints = samples.robot.moved
     side = signal_model.links.side[:, :, :2][..., joints]
-    forces = np.zeros((len(told), 2, 2))
-    for index in range(len(told)):
+    forces = np.zeros((len(efforts), 2, 2))
+    for index in range(len(efforts)):
         # torque = ... - J' f: a force on the foot lightens the motors.
         matrix = -side[index].reshape(4, -1).T
         forces[index] = np.linalg.lstsq(matrix, missing[index, joints], rcond=1e-3)[0].reshape(2, 2)

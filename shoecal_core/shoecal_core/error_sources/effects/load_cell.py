@@ -1,4 +1,4 @@
-"""Effects of single cells: what a reading tells beyond its affine law."""
+"""Effects of single cells: what a reading has beyond its affine law."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from shoecal_core.shoe.wrench import weight_below
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 LEAST_HANGING = 5
-"""Samples in the air that tell what a cell shows when it feels nothing."""
+"""Samples in the air that are enough to know what a cell shows without load."""
 FLAT_STUCK, FLAT_AT_TOP = 0.01, 0.5
 """Movement of a channel over what is expected, up to which it may be stuck, or saturated."""
 RIDGE, LEAST_SPREAD = 1e-4, 1e-6
@@ -27,14 +27,14 @@ WARM_UP = 0.3
 
 
 def shown(signal_model: SignalModel, channels: NDArray[np.int64], values: FloatArray) -> FloatArray:
-    """(T, s) when these channels show `values` (T, k) more than they feel."""
+    """(T, s) when these channels show `values` (T, k) [N or N m] more than they feel."""
     change = np.zeros_like(signal_model.outputs)
     change[:, channels] = values
     return signal_model.by_outputs(change)
 
 
 def unloaded(signal_model: SignalModel, channel: int) -> float:
-    """What a cell shows when it feels nothing, as its foot tells in the air [N]; else 0.
+    """What a cell shows without load, from samples of its foot in the air [N]; else 0.
 
     Offsets of a foot's cells that change neither its force nor its CoP no other signal fixes.
     """
@@ -44,8 +44,8 @@ def unloaded(signal_model: SignalModel, channel: int) -> float:
     if np.count_nonzero(hanging) < LEAST_HANGING:
         return 0.0
     # What is below the cells hangs on them all.
-    beside = np.count_nonzero(shoe.foot[places.vertical(shoe)] == foot)
-    below = float(weight_below(shoe)[foot, 0]) / beside
+    cells = np.count_nonzero(shoe.foot[places.vertical(shoe)] == foot)
+    below = float(weight_below(shoe)[foot, 0]) / cells
     return float(np.median(signal_model.outputs[hanging, channel])) + below
 
 
@@ -80,17 +80,19 @@ class Saturation:
         return places.each_cell(signal_model)
 
     def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
-        """Levels near the top of what it showed; what is missing there is what others tell."""
+        """Levels near the top of what it showed; the other channels give what is missing there."""
         (channel,) = places.channels_at(signal_model, place)
         force = signal_model.outputs[:, channel]
-        told = expected(signal_model, int(channel), force <= np.median(force))
+        by_others = expected(signal_model, int(channel), force <= np.median(force))
         top, zero = force.max(), unloaded(signal_model, int(channel))
         span = top - np.percentile(force, 5.0)
         for share in (0.0, 0.04, 0.1, 0.2, 0.35):
             level = float(top - share * span)
-            missing = np.maximum(told - level, 0.0)
+            missing = np.maximum(by_others - level, 0.0)
             beyond = missing > 0.0
-            if np.count_nonzero(beyond) >= 5 and _flat(force[beyond], told[beyond], FLAT_AT_TOP):
+            if np.count_nonzero(beyond) >= 5 and _flat(
+                force[beyond], by_others[beyond], FLAT_AT_TOP
+            ):
                 columns = shown(signal_model, np.array([channel]), -missing[:, None])[None]
                 yield Shape(("share",), columns, {"level": level - zero})
 
@@ -202,10 +204,10 @@ class StuckCell:
         return places.each_cell(signal_model)
 
     def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
-        """From the beginning of each run on; what is missing is what the others tell."""
+        """From the start of each run on; the other channels give what is missing."""
         (channel,) = places.channels_at(signal_model, place)
         samples = signal_model.samples
-        # Whatever the gain: a cell beside it, in volts that move as they do under load.
+        # Whatever the gain: compared with another cell, in volts that move as they do under load.
         own = [i for i in places.vertical(samples.shoe) if i != channel]
         others = samples.readings[:, own[int(np.argmax(np.std(samples.readings[:, own], axis=0)))]]
         for start in sorted({track.start for track in samples.tracks}):
@@ -215,9 +217,9 @@ class StuckCell:
             ):
                 continue
             before = ~late if not late.all() else late
-            told = expected(signal_model, int(channel), before)
+            by_others = expected(signal_model, int(channel), before)
             level = float(np.median(signal_model.outputs[late, channel]))
-            missing = np.where(late, level - told, 0.0)
+            missing = np.where(late, level - by_others, 0.0)
             columns = shown(signal_model, np.array([channel]), missing[:, None])[None]
             yield Shape(("share",), columns, {"time": start})
 
@@ -239,7 +241,7 @@ def _alike_or_each(
 
 
 def courses(signal_model: SignalModel) -> Iterator[tuple[str, FloatArray]]:
-    """What drifts can follow: the session's time, and the temperature where it changes.
+    """(T,) what drifts can follow: the session's time [s], and the temperature [K] if it changes.
 
     Over time evenly, or as what warms up: first fast, then slowly, at the same rate on average.
     """
@@ -249,9 +251,9 @@ def courses(signal_model: SignalModel) -> Iterator[tuple[str, FloatArray]]:
     warmed = -np.expm1(-samples.clock / (WARM_UP * lasts)) / -np.expm1(-1.0 / WARM_UP)
     yield "rate", lasts * warmed
     if all(track.temperature is not None for track in samples.tracks):
-        told = samples.decimated(lambda track: np.asarray(track.temperature)[:, None])[:, 0]
-        if np.ptp(told) > 0.5:
-            yield "per_kelvin", told - told[0]
+        temperature = samples.decimated(lambda track: np.asarray(track.temperature)[:, None])[:, 0]
+        if np.ptp(temperature) > 0.5:
+            yield "per_kelvin", temperature - temperature[0]
 
 
 def expected(signal_model: SignalModel, channel: int, right: BoolArray) -> FloatArray:

@@ -15,7 +15,7 @@ IntArray = NDArray[np.int64]
 
 
 def cells(shoe: Shoe) -> IntArray:
-    """Indices of the one-axis cells: channels of vertical force alone, not of six-axis sensors."""
+    """(k,) indices of the one-axis cells: channels of vertical force, not of six-axis sensors."""
     return np.array(
         [
             index
@@ -48,7 +48,7 @@ def coupled_axes(shoe: Shoe) -> Iterator[tuple[int, int]]:
 
 
 def vertical(shoe: Shoe) -> IntArray:
-    """Channels of vertical force: cells, and that axis of six-axis sensors."""
+    """(k,) indices of the channels of vertical force: cells, and that axis of six-axis sensors."""
     return np.flatnonzero(shoe.vertical)
 
 
@@ -97,7 +97,7 @@ def joints_and_all(signal_model: SignalModel) -> Iterator[Place]:
 
 
 def channels_at(signal_model: SignalModel, place: Place) -> IntArray:
-    """Channels of vertical force at a place: a cell, a foot, or all."""
+    """(k,) indices of the channels of vertical force at a place: a cell, a foot, or all."""
     shoe = signal_model.samples.shoe
     (name,) = place
     chosen = vertical(shoe)
@@ -110,7 +110,7 @@ def channels_at(signal_model: SignalModel, place: Place) -> IntArray:
 
 
 def all_channels_at(signal_model: SignalModel, place: Place) -> IntArray:
-    """Channels of any kind of a foot, or all."""
+    """(k,) indices of all channels of a foot, whatever their kind, or of both feet."""
     shoe = signal_model.samples.shoe
     (name,) = place
     channels = shoe.of_foot(FEET.index(name)) if name in FEET else range(len(shoe.channels))
