@@ -90,7 +90,7 @@ def interpolated_poses(
     Args:
         begin, end: of the right sole in the left sole's frame.
         support_phase: the foot that stands.
-        states: steps from begin to end.
+        states: steps from start to end.
         aside: how far the way bulges outward in its middle [m].
     """
     first, last = _of_swing(begin, support_phase), _of_swing(end, support_phase)

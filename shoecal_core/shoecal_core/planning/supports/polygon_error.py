@@ -90,6 +90,7 @@ def polygon_error(
     """
 
     def readings(outputs: FloatArray) -> FloatArray:
+        """Readings (..., n) of outputs (..., n), in the channels' units."""
         return outputs if parameters is None else (outputs - parameters.offset) / parameters.gain
 
     support = DoubleSupport(*(float(value) for value in robot.support_range.neutral))
