@@ -55,7 +55,7 @@ class OverlapError(Exception):
 def two_orders(
     groups: Sequence[tuple[Sequence[str], NDArray[np.int64]]],
 ) -> tuple[str, tuple[Sequence[str], Sequence[str]]] | None:
-    """A name that two senders tell in turns, and their lists of names; None where nobody does.
+    """A name that two senders send in turns, and their lists of names; None without one.
 
     One sender lists its names in one order, whichever of them it leaves out now and then.
 
@@ -72,11 +72,11 @@ def two_orders(
     return None
 
 
-def tell_two_orders(name: str, lists: tuple[Sequence[str], Sequence[str]]) -> str:
+def two_orders_text(name: str, lists: tuple[Sequence[str], Sequence[str]]) -> str:
     """The error for what `two_orders` finds."""
     one, other = (f"{', '.join(names[:3])}, …" for names in lists)
     return (
-        f"two senders tell '{name}' in turns, one as ({one}), the other as ({other}); record one "
+        f"two senders send '{name}' in turns, one as ({one}), the other as ({other}); record one "
         "of them"
     )
 
