@@ -1,4 +1,4 @@
-"""Collects what a robot tells while it stands still."""
+"""Collects what a robot sends while it stands still."""
 
 from __future__ import annotations
 
