@@ -56,7 +56,7 @@ def guide_person(
         guide: at its beginning.
         stream: of readings.
         save: keeps measurements, called after every reading that was accepted.
-        shown: readings (n,) under a load as a person wants to see them.
+        shown: readings (n,), in the channels' unit, under a load as a person wants to see them.
         console: what is said goes there; the live line only where it is a terminal.
 
     Raises:

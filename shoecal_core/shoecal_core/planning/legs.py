@@ -77,7 +77,7 @@ class FootPose:
 
     @property
     def parameters(self) -> FloatArray:
-        """(12,) rotation by columns, then translation: the order LegExpressions wants."""
+        """(12,) rotation by columns, then translation [m]: the order LegExpressions wants."""
         return np.concatenate([self.rotation.T.ravel(), self.translation])
 
 

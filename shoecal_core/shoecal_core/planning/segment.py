@@ -93,7 +93,7 @@ class MotionSegment:
         )
 
     def local(self, tasks: FloatArray, state: int) -> FloatArray:
-        """(5,) what is pursued, in the frame of `targets`, from tasks (5,) of a state."""
+        """(5,) what is pursued, in the frame of `targets`, from tasks (5,) of a state [m, -, m]."""
         return in_standing(tasks, self.pose(state), self.support_phase)
 
     def _ahead(self, state: int, horizon: int) -> list[FootPose]:
@@ -110,7 +110,7 @@ class MotionSegment:
 
 
 def in_left(tasks: FloatArray, pose: FootPose, support_phase: SupportPhase) -> FloatArray:
-    """Tasks (5,) in the left sole's frame from those of the foot that carries; soles are level."""
+    """Tasks (5,) [m, -, m] in the left sole's frame from the carrying foot's; soles are level."""
     if support_phase is not SupportPhase.RIGHT:
         return tasks
     support = pose.support
@@ -119,7 +119,7 @@ def in_left(tasks: FloatArray, pose: FootPose, support_phase: SupportPhase) -> F
 
 
 def in_standing(tasks: FloatArray, pose: FootPose, support_phase: SupportPhase) -> FloatArray:
-    """Tasks (5,) in the frame of the foot that carries from those of the left sole's frame."""
+    """Tasks (5,) [m, -, m] in the carrying foot's frame from those in the left sole's frame."""
     if support_phase is not SupportPhase.RIGHT:
         return tasks
     support = pose.support

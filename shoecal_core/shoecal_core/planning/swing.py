@@ -43,7 +43,7 @@ def swing_segment(
     *,
     pause: float = 0.0,
 ) -> MotionSegment:
-    """A foot led along poses; the rest goes to an aim (5,), in the standing foot's frame."""
+    """A foot led along poses; the rest goes to an aim (5,) [m, -, m], standing foot's frame."""
     weights = settings.task_weights
     return MotionSegment(
         name, aim[None], weights, foot_poses, support_phase, settings.step_pace, pause

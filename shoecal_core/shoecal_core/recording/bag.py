@@ -176,7 +176,7 @@ def _check_folder(folder: Path) -> None:
         names = yaml.safe_load(read_bytes(metadata))[BAG_INFORMATION]["relative_file_paths"]
         files = [folder / PurePath(name).name for name in names]
     except (yaml.YAMLError, UnicodeDecodeError, TypeError, KeyError, IndexError) as error:
-        cure = f"recreate it with `ros2 bag reindex {folder}`"
+        cure = f"make it again with `ros2 bag reindex {folder}`"
         raise FileSyntaxError(metadata, f"does not list the files of a bag; {cure}") from error
     for file in files:
         if file.exists():

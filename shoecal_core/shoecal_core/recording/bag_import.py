@@ -85,7 +85,7 @@ class _Samples:
     rows: list[Sequence[float] | NDArray[np.float64]] = field(default_factory=list)
 
     def ordered(self) -> tuple[Stamps, Floats]:
-        """Stamps (T,) that increase and rows (T, k)."""
+        """Stamps (T,) [ns] that increase, and rows (T, k) in the message's units."""
         stamps = np.array(self.stamps, dtype=np.int64)
         kept = in_order(stamps)
         return stamps[kept], np.array(self.rows, dtype=np.float64)[kept]

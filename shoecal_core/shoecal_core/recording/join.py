@@ -60,7 +60,7 @@ def two_orders(
     One sender lists its names in one order, whichever of them it leaves out now and then.
 
     Args:
-        groups: lists of names, each with the stamps (k,) of its messages.
+        groups: lists of names, each with the stamps (k,) of its messages [ns].
     """
     for (one, stamps), (other, others) in itertools.combinations(groups, 2):
         shared = [name for name in one if name in other]
@@ -82,7 +82,7 @@ def two_orders_text(name: str, lists: tuple[Sequence[str], Sequence[str]]) -> st
 
 
 def in_order(stamp_ns: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """(k,) which samples to keep: as many as can be whose stamps increase.
+    """(k,) mask of samples to keep: as many as can be whose stamps (k,) [ns] increase.
 
     So one stamp far ahead is left out, not all that follow it.
     """
@@ -114,7 +114,7 @@ def join(
     """Put pieces together by equal stamps.
 
     Returns:
-        Stamps (T,), and each quantity (T, width), NaN where no piece has it.
+        Stamps (T,) [ns], and each quantity (T, width), NaN where no piece has it.
 
     Raises:
         TwoSourcesError: when a column is given twice at one time.

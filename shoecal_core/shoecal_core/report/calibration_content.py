@@ -113,9 +113,9 @@ class CalibrationReport:
 
     @property
     def half_widths(self) -> FloatArray:
-        """(2n,) half widths of the 95 % intervals of gains and offsets, NaN where unknown.
+        """(2n,) half widths of the 95 % intervals of gains and offsets, in their units.
 
-        Where it is known, patterns that no data show are left out of them.
+        NaN where unknown. Where known, patterns that no data show are left out of them.
         """
         covariance = self.calibration.covariance
         width: FloatArray = np.full(2 * len(self.shoe.names), np.nan)

@@ -63,7 +63,7 @@ class Levers:
 
 
 def signal(evidence: Evidence, fitted: Fitted, name: str) -> FloatArray:
-    """(T,) of one signal's residual; NaN throughout where it was not there."""
+    """(T,) residual of one signal, in its unit; NaN throughout where it was not there."""
     if name not in evidence.signals:
         return np.full(len(evidence.time), np.nan)
     values: FloatArray = fitted.residuals[:, evidence.signals.index(name)]
@@ -98,7 +98,7 @@ def stands(evidence: Evidence, run: int) -> DoubleSupport | None:
 
 
 def in_sole(evidence: Evidence, values: FloatArray, foot: int, *, vectors: bool) -> FloatArray:
-    """Points or vectors (T, 2) from the frame of the stance to one foot's sole frame.
+    """Points or vectors (T, 2) [m] from the frame of the stance to one foot's sole frame.
 
     NaN where the other foot's place is not known.
     """

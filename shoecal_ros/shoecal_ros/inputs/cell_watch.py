@@ -99,7 +99,7 @@ class CellWatch:
 
     @property
     def noise(self) -> FloatArray:
-        """(n,) standard deviation of the readings, by how much they change from one to the next."""
+        """(n,) standard deviation of the readings, in their unit, by their steps."""
         # Of a normal law, whose mean absolute difference is 2 / sqrt(pi) of it.
         return self._noise * (math.sqrt(math.pi) / 2.0)
 

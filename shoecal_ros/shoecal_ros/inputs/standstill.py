@@ -64,7 +64,7 @@ class Standstill:
 
     @property
     def readings(self) -> FloatArray:
-        """(n,) mean."""
+        """(n,) mean, in the readings' unit."""
         mean: FloatArray = np.mean(self._readings, axis=0)
         return mean
 

@@ -14,7 +14,7 @@ MISPLACED = 0.5
 
 
 def upward(body: BodyStates, foot: int) -> FloatArray:
-    """(3,) the floor's upward normal in the base's frame, seen from a foot flat on it.
+    """(3,) unit upward normal of the floor in the base frame, by a foot flat on it.
 
     Args:
         body: of one instant.

@@ -146,7 +146,7 @@ class QuadraticProgram:
 
         Args:
             problem: whose cost.
-            linear: where to begin.
+            linear: where to start, states (N, k) [rad].
             inequalities: to be kept.
             before: the step that led there; the same rows are thought to be active.
             curvature: (N, k, k) what the constraints and the way to the target add to the
@@ -164,7 +164,7 @@ class QuadraticProgram:
         return NewtonStep(change, float(gain), self._prices.copy(), linear, feet)
 
     def nearest(self, linear: Linearised, inequalities: Inequalities) -> FloatArray:
-        """(N, k) shortest change that keeps everything to first order.
+        """(N, k) shortest change that keeps everything to first order [rad].
 
         Where none does, the shortest that puts the feet right.
         """

@@ -30,7 +30,7 @@ class Expected:
 
     @classmethod
     def of(cls, deviations: FloatArray) -> Expected:
-        """Of standard deviations (p,)."""
+        """Of standard deviations (p,) [N or m]."""
         return cls(float(np.sqrt(np.mean(deviations**2))), float(np.max(deviations)))
 
 

@@ -147,7 +147,7 @@ def area(points: FloatArray) -> str:
 
 
 def flat(points: FloatArray) -> FloatArray:
-    """Points (n, 2) as points (n, 3) on the floor."""
+    """Points (n, 2) as points (n, 3) on the floor [m]."""
     return np.column_stack((points, np.zeros(len(points))))
 
 
