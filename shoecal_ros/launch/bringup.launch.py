@@ -1,4 +1,4 @@
-"""The nodes started with a robot: shoe_driver, model, planner, calibrator, and where need be an adapter.
+"""The nodes started with a robot: shoe_driver, model, planner, calibrator, if needed an adapter.
 
     ros2 launch shoecal_ros bringup.launch.py robot:=ROBOT.yaml shoe:=SHOE.yaml device:=DEVICE.yaml
 
