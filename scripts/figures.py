@@ -106,8 +106,8 @@ def write_run(path: Path, content: CalibrationReport) -> None:
 
 def write_expected(path: Path, content: CalibrationReport) -> None:
     """Maps of the expected error."""
-    assert content.told is not None
-    pictures = error_pictures(content, content.told)
+    assert content.assessed is not None
+    pictures = error_pictures(content, content.assessed)
     parts = [SheetFigure(picture.title, picture.svg) for picture in pictures]
     write_sheet(path, [parts], "Expected error of the CoP over the sensing polygons, as a map.")
 

@@ -1,4 +1,4 @@
-"""The nodes beside a robot: shoe_driver, model, planner, calibrator, and where need be an adapter.
+"""The nodes started with a robot: shoe_driver, model, planner, calibrator, if needed an adapter.
 
     ros2 launch shoecal_ros bringup.launch.py robot:=ROBOT.yaml shoe:=SHOE.yaml device:=DEVICE.yaml
 
@@ -29,7 +29,7 @@ CONFIG = Path(get_package_share_directory("shoecal_core")) / "config"
 
 ARGUMENTS = {
     "robot": (str(CONFIG / "robots" / "nao.yaml"), "robot file"),
-    "shoe": ("", "shoe file; empty: ROBOT_shoe.yaml in ../shoes or beside ROBOT.yaml"),
+    "shoe": ("", "shoe file; empty: ROBOT_shoe.yaml in ../shoes or next to ROBOT.yaml"),
     "device": (
         str(CONFIG / "nodes" / "shoe_driver.yaml"),
         "device file: port, mode, which channel is which cell",

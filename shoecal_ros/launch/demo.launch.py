@@ -34,7 +34,7 @@ BRINGUP = Path(get_package_share_directory("shoecal_ros")) / "launch" / "bringup
 
 ARGUMENTS = {
     "robot": (str(CONFIG / "robots" / "nao.yaml"), "robot file"),
-    "shoe": ("", "shoe file; empty: ROBOT_shoe.yaml in ../shoes or beside ROBOT.yaml"),
+    "shoe": ("", "shoe file; empty: ROBOT_shoe.yaml in ../shoes or next to ROBOT.yaml"),
     "reality": ("", "changes to the default simulated reality; empty: none"),
     "seed": ("1", "draws robot, cells and noise"),
     "speed": ("1.0", "simulated over wall-clock time"),

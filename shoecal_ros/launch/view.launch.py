@@ -1,4 +1,4 @@
-"""A viewer with shoecal's layout, beside nodes that run already.
+"""A viewer with shoecal's layout, for nodes that run already.
 
     ros2 launch shoecal_ros view.launch.py viewer:=rviz
     ros2 launch shoecal_ros view.launch.py viewer:=plotjuggler

@@ -67,7 +67,7 @@ class NodeToStart:
 
 
 def robot_nodes(arguments: Mapping[str, str]) -> list[NodeToStart]:
-    """The nodes beside a robot.
+    """The nodes started with a robot.
 
     Args:
         arguments: of `bringup.launch.py`.

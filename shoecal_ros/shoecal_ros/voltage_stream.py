@@ -4,7 +4,7 @@
 
 One line an instant: `{"stamp_ns": …, "cells": […], "voltages": […], "status": […]}` with all cells
 of the shoe; null where one gave none. While none come: `{"problem": "…"}`, once for each cause.
-It ends on an interrupt, and when nobody reads its output any more.
+It ends on an interrupt, and when its output is not read any more.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from shoecal_ros.common.process import run
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.inputs.joining import NO_DATA, FrameJoiner, Joined, JoinSettings
 from shoecal_ros.inputs.voltages import VoltageInput
-from shoecal_ros.inputs.voltages_told import voltages_told
+from shoecal_ros.inputs.voltages_condition import voltages_condition
 
 _NO_DIGITS = str.maketrans("", "", string.digits)
 
@@ -60,7 +60,7 @@ class VoltageStream(ShoecalNode):
         self.subscribe(ShoeVoltages, "shoe/voltages", self._hear, qos.LIVE)
 
     def watch(self) -> None:
-        """Tell what is wrong with the voltages; end with who reads them."""
+        """Report what is wrong with the voltages; end with their reader."""
         if self._output.poll(0):
             raise ExternalShutdownException
         problem = self._input.problem
@@ -70,7 +70,7 @@ class VoltageStream(ShoecalNode):
             self._reported = cause
             if problem is not None:
                 _print({"problem": problem.message})
-        self.health.note("voltages", voltages_told(self._input))
+        self.health.note("voltages", voltages_condition(self._input))
         super().watch()
 
     def _hear(self, messages: list[Any]) -> None:

@@ -1,4 +1,4 @@
-"""`python -m shoecal_core.cli`, beside the installed `shoecal`."""
+"""`python -m shoecal_core.cli`: the same as the installed `shoecal`."""
 
 import sys
 

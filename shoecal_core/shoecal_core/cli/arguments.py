@@ -203,7 +203,7 @@ def add_shoe(parser: argparse.ArgumentParser) -> None:
         "--shoe",
         type=Path,
         metavar="FILE",
-        help="shoe file (default: ROBOT_shoe.yaml in ../shoes or beside the robot file ROBOT.yaml)",
+        help="shoe file (default: ROBOT_shoe.yaml in ../shoes or next to ROBOT.yaml)",
     )
 
 
@@ -224,16 +224,16 @@ def chosen_supports(
     Args:
         args: of the command.
         robot, shoe, settings: who visits them.
-        progress: hears of the search.
+        progress: called during the search.
     """
     progress("looking for double supports", 0.0)
     if args.stance is None:
 
-        def told(tried: int, most: int) -> None:
+        def report(tried: int, most: int) -> None:
             if tried:
                 progress(f"looking for double supports, {tried} of at most {most} tried", 0.0)
 
-        return draw_supports(robot, shoe, settings, settings.supports, args.seed, told)
+        return draw_supports(robot, shoe, settings, settings.supports, args.seed, report)
     feasible = Feasible(robot, settings)
     return [support for name in args.stance for support in named_supports(name, feasible)]
 

@@ -45,12 +45,12 @@ def expected_table(assessment: Assessment) -> Table:
 
 def trust_lines(assessment: Assessment, screening: Screening) -> list[str]:
     """What was identified, what was not, what was left out."""
-    told = assessment.told
+    known = assessment.told
     lines = []
     if assessment.budget is None:
         lines.append("the model's own errors come on top: for walking they are not known")
-    possible = max(told.possible, told.rank)
-    lines += [f"the data identify {told.rank} of {possible} directions", *weak_lines(told)]
+    possible = max(known.possible, known.rank)
+    lines += [f"the data identify {known.rank} of {possible} directions", *weak_lines(known)]
     if assessment.budget is not None:
         lines.append(f"largest sources of the expected CoP error: {budget_text(assessment.budget)}")
     count = sum(screening.samples.values())

@@ -99,8 +99,8 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     for line in reason_lines(calibration):
         console.print(line, soft_wrap=True)
     if calibration.verdict == "FAIL":
-        told = tell_reasons(calibration.reasons, 1)
-        raise CalibrationFailedError(f"no calibration written: {told}", to_json(outcome))
+        reasons = tell_reasons(calibration.reasons, 1)
+        raise CalibrationFailedError(f"no calibration written: {reasons}", to_json(outcome))
     console.print(f"{args.out}")
     return to_json(outcome)
 

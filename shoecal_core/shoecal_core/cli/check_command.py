@@ -65,7 +65,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         f"{path.name} was not finished: rescue it with `shoecal recover {path}`"
         for path in session.unfinished
     ] + ([missing_text(session.missing)] if session.missing else [])
-    # A robot or shoe file that cannot be used is told as itself, not as another file's hash.
+    # A robot or shoe file that cannot be used is named itself, not as another file's hash.
     robot = load_robot(
         session.robot_yaml, session.shoe, urdf=session.robot_urdf, weight_kg=args.weight_kg
     )
@@ -124,8 +124,8 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         raise UnfitSessionError(
             f"{len(problems)} problem(s) in {session.folder}, listed above", figures
         )
-    told = "fit for use, with the warnings above" if warnings else "fit for use"
-    console.print(verdict_line("WARN" if warnings else "PASS", told))
+    summary = "fit for use, with the warnings above" if warnings else "fit for use"
+    console.print(verdict_line("WARN" if warnings else "PASS", summary))
     return figures
 
 

@@ -27,9 +27,9 @@ SHELLS = {
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare its arguments."""
-    told = "; ".join(f"{shell}: {how}" for shell, how in SHELLS.items())
+    listed = "; ".join(f"{shell}: {how}" for shell, how in SHELLS.items())
     parser.add_argument(
-        "shell", choices=list(SHELLS), metavar="SHELL", help=f"{', '.join(SHELLS)}. {told}"
+        "shell", choices=list(SHELLS), metavar="SHELL", help=f"{', '.join(SHELLS)}. {listed}"
     )
 
 

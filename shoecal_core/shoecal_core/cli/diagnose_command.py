@@ -158,7 +158,7 @@ def _report(path: Path | None, session: Path) -> Path | None:
 def _many(
     jobs: Sequence[DiagnosisJob], args: argparse.Namespace, console: Console
 ) -> Mapping[str, object]:
-    """All of them; those that cannot be diagnosed are told at the end."""
+    """All of them; those that cannot be diagnosed are listed at the end."""
     results: dict[int, Diagnosed] = {}
     with shown_progress() as progress:
         progress(f"diagnosing {len(jobs)} sessions", 0.0)
@@ -175,6 +175,6 @@ def _many(
     figures = {"format": 1, "sessions": [one.to_json() for one in ordered]}
     failed = [one for one in ordered if one.diagnosis is None]
     if failed:
-        told = "; ".join(one.error for one in failed)
-        raise PartialError(f"{len(failed)} of {len(jobs)} sessions failed: {told}", figures)
+        errors = "; ".join(one.error for one in failed)
+        raise PartialError(f"{len(failed)} of {len(jobs)} sessions failed: {errors}", figures)
     return figures

@@ -24,7 +24,7 @@ SMALL: Mapping[str, tuple[float, str]] = {
     "1/N": (1e3, "1e-3/N"),
     "1/N^2": (1e6, "1e-6/N^2"),
 }
-"""Units of sizes that are told in smaller ones."""
+"""Units of sizes that are given in smaller ones."""
 
 
 def print_diagnosis(

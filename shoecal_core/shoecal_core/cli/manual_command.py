@@ -61,7 +61,7 @@ FloatArray = NDArray[np.float64]
 
 CELLS_DATA, SHOE_DATA = "cells_data.yaml", "shoe_data.yaml"
 CELLS_FILE, CALIBRATION_FILE = "cells.yaml", "calibration.yaml"
-"""Files of a folder that `simulate` makes; CELLS_FILE is also looked for beside the data."""
+"""Files of a folder that `simulate` makes; CELLS_FILE is also looked for next to the data."""
 
 SIMULATED = "Shoes, weights and the bench are simulated."
 
@@ -115,7 +115,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--cells",
         type=Path,
         metavar="FILE",
-        help=f"what `manual cells` wrote (default: {CELLS_FILE} beside DATA)",
+        help=f"what `manual cells` wrote (default: {CELLS_FILE} next to DATA)",
     )
     simulate = tasks.add_parser("simulate", help="a simulated bench does the person's part")
     simulate.add_argument(
@@ -270,7 +270,7 @@ def _solve_shoe(
 
 
 def _read_from(data: Path) -> tuple[str, ...]:
-    """Where readings are from, as a report tells it."""
+    """Where readings are from, as shown in a report."""
     return (
         "Nothing in the readings says that they were simulated: taken as read on hardware.",
         f"Readings: {data.name}.",
@@ -297,8 +297,8 @@ def _write(calibration: Calibration, out: Path, console: Console) -> None:
     for line in reason_lines(calibration):
         console.print(line, soft_wrap=True)
     if calibration.verdict == "FAIL":
-        told = tell_reasons(calibration.reasons, 1)
-        raise ManualCalibrationFailedError(f"no calibration written: {told}")
+        reasons = tell_reasons(calibration.reasons, 1)
+        raise ManualCalibrationFailedError(f"no calibration written: {reasons}")
     save_calibration(calibration, out)
     console.print(f"{out}")
 

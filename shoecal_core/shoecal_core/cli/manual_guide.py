@@ -56,7 +56,7 @@ def guide_person(
         guide: at its beginning.
         stream: of readings.
         save: keeps measurements, called after every reading that was accepted.
-        shown: readings (n,) under a load as a person wants to see them.
+        shown: readings (n,), in the channels' unit, under a load as a person wants to see them.
         console: what is said goes there; the live line only where it is a terminal.
 
     Raises:
@@ -111,7 +111,7 @@ class _Session:
     def run(self) -> None:
         guide = self._guide
         self._console.print(HELP, style="dim")
-        self._tell()
+        self._show_task()
         while guide.phase in {GuidePhase.ASKING, GuidePhase.READING}:
             keys, lines = self._wait()
             # First the keys: what comes after one belongs to it.
@@ -144,7 +144,7 @@ class _Session:
         key = KEYS.get(typed.lower())
         if key is not None:
             self._guide.press(key)
-            self._tell()
+            self._show_task()
 
     def _take(self) -> None:
         guide = self._guide
@@ -156,7 +156,7 @@ class _Session:
             guide.take(found.readings, found.stamp_ns)
             if guide.measurements is not self._saved:
                 self._keep(load)
-            self._tell()
+            self._show_task()
             self._count += 1
             if self._count % EVERY == 0:
                 taken = f"{guide.gathered} samples   " if guide.phase is GuidePhase.READING else ""
@@ -174,7 +174,7 @@ class _Session:
         readings[shoe.of_foot(load.foot)] = entry.mean
         self._say(f"  read: {self._shown(load, readings)}")
 
-    def _tell(self) -> None:
+    def _show_task(self) -> None:
         """Say what is to be done, once."""
         guide = self._guide
         if guide.phase in {GuidePhase.COMPLETE, GuidePhase.STOPPED}:

@@ -33,7 +33,7 @@ class LineFrame:
 
     Attributes:
         readings: (n,) in the shoe's order, NaN where none was given.
-        stamp_ns: when they were sampled, 0 where nobody knows.
+        stamp_ns: when they were sampled, 0 where unknown.
     """
 
     readings: FloatArray

@@ -26,11 +26,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("urdf", type=Path, help="the robot's URDF; it is left as it is")
     parser.add_argument(
         "-o", "--out", type=Path, metavar="ROBOT.yaml",
-        help="robot file to make (default: beside the URDF, of its name)",
+        help="robot file to make (default: next to the URDF, of its name)",
     )  # fmt: skip
     parser.add_argument(
         "--shoe", type=Path, metavar="SHOE.yaml",
-        help="shoe file to make (default: ROBOT_shoe.yaml beside the robot file)",
+        help="shoe file to make (default: ROBOT_shoe.yaml next to the robot file)",
     )  # fmt: skip
     parser.add_argument(
         "--name", dest="robot_name", help="of the robot (default: the robot file's)"
@@ -72,8 +72,8 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         make_folder(file.parent)
         atomic_write(file, text)
     notes = {out: robot_notes(draft), shoe: shoe_notes(draft)}
-    for file, told in notes.items():
-        _tell(console, file, told)
+    for file, to_check in notes.items():
+        _print_notes(console, file, to_check)
     console.print(
         f"{reality}: drafted for a robot of this size\n"
         f"Then: shoecal plan {out} --shoe {shoe} --supports 1 --out out/plan\n"
@@ -91,8 +91,8 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         "six_axis": draft.six_axis[0] is not None,
         "check": [
             {"file": str(file), "field": note.field, "found": note.found, "check": note.look}
-            for file, told in notes.items()
-            for note in told
+            for file, to_check in notes.items()
+            for note in to_check
         ],
     }
 
@@ -110,7 +110,7 @@ def _sole(numbers: Sequence[float] | None) -> SoleSize | None:
     return size
 
 
-def _tell(console: Console, file: Path, notes: Sequence[Note]) -> None:
+def _print_notes(console: Console, file: Path, notes: Sequence[Note]) -> None:
     console.print(f"{file}: drafted; check, line by line:", markup=False, soft_wrap=True)
     for note in notes:
         line = f"  {note.field}: {note.found} Check: {note.look}"

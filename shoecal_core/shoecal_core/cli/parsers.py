@@ -1,4 +1,4 @@
-"""What reads the command line: every command by name, and wrong usage told in one line."""
+"""What reads the command line: every command by name, and wrong usage reported in one line."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ a first calibration, on a simulated robot:
   shoecal simulate {robot} {shoe} --out out/session
   shoecal calibrate out/session --out out/calibration.yaml --report out/report.html
 
-shoecal COMMAND --help tells of each. Results go to standard output, progress and errors to
+shoecal COMMAND --help describes each. Results go to standard output, progress and errors to
 standard error."""
 WIDEST = 100
 """Columns of a help text."""
@@ -66,9 +66,9 @@ class Parser(argparse.ArgumentParser):
         """Say it and end."""
         guess = self._guess(message)
         # Who mistyped one name need not read all others.
-        told = f"{_CHOICES.sub('', message) if guess else message}{guess}"
-        see = " See" if told.endswith("?") else "; see"
-        self.exit(2, f"{self.prog}: {told}{see} {self.prog} --help\n")
+        text = f"{_CHOICES.sub('', message) if guess else message}{guess}"
+        see = " See" if text.endswith("?") else "; see"
+        self.exit(2, f"{self.prog}: {text}{see} {self.prog} --help\n")
 
     def _guess(self, message: str) -> str:
         if found := _CHOICE.search(message):
@@ -123,7 +123,7 @@ def command_line(wanted: Sequence[str]) -> Parser:
 def actions_of(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
     """Every argument of a parser and of the parsers within it."""
     for one in _all(parser):
-        yield from one._actions  # noqa: SLF001 - argparse tells it nowhere else
+        yield from one._actions  # noqa: SLF001 - argparse has it nowhere else
 
 
 def _all(parser: argparse.ArgumentParser) -> Iterator[argparse.ArgumentParser]:
@@ -142,11 +142,11 @@ class _Help(argparse.RawDescriptionHelpFormatter):
         self._action_max_length = 4 + max(map(len, COMMANDS))
 
     def _get_help_string(self, action: argparse.Action) -> str | None:
-        told = action.help
+        text = action.help
         silent = action.default in (None, argparse.SUPPRESS) or isinstance(action.default, bool)
-        if told is None or silent or not action.option_strings or "default" in told:
-            return told
-        return f"{told} (default: %(default)s)"
+        if text is None or silent or not action.option_strings or "default" in text:
+            return text
+        return f"{text} (default: %(default)s)"
 
 
 def _epilog() -> str:

@@ -64,10 +64,10 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         for index, support in enumerate(supports):
             progress(f"planning {index + 1} of {len(supports)}", index / len(supports))
             plan.add(planner, support, index + 1)
-        told: dict[str, object] | None = None
+        forecast: dict[str, object] | None = None
         if plan.motions:
             known = _known(robot, shoe, plan, settings, console)
-            told = {"all": known.to_json()}
+            forecast = {"all": known.to_json()}
             progress("drawing what was planned", 1.0)
             write_plan(args.out, plan.motions, plan.unplanned, shoe, known)
     if plan.motions:
@@ -79,7 +79,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         "page": PAGE if plan.motions else None,
         "motions": plan.rows,
         "unplanned": [_unplanned_row(one) for one in plan.unplanned],
-        "forecast": told,
+        "forecast": forecast,
     }
     earlier.replace(figures)
     if plan.unplanned:
@@ -92,7 +92,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
 
 
 class _Plan:
-    """Motions as they are planned, written and told, and those that could not be.
+    """Motions as they are planned, written and listed, and those that could not be.
 
     Attributes:
         motions, numbers, rows: of each that was planned.
@@ -107,7 +107,7 @@ class _Plan:
         self._kind, self._folder, self._console = args.motion, args.out, console
 
     def add(self, planner: Planner, support: DoubleSupport, number: int) -> None:
-        """Plan one more; what is in its way is told, and no obstacle to the others."""
+        """Plan one more; if it fails this is reported, and the others are still planned."""
         legs, settings, label = planner.legs, planner.settings, f"motion_{number:03d}"
         begin = time.perf_counter()
         try:
@@ -137,7 +137,7 @@ def _unplanned_row(one: Unplanned) -> dict[str, object]:
 
 
 def _line(planned: PlannedMotion, file: Path, seconds: float) -> str:
-    """What the terminal tells of one motion."""
+    """What the terminal shows of one motion."""
     reached = sum(target.reached for target in planned.targets)
     missed = [
         f"{target.number}: {target.off(planned.settings.landmark_radius)}"

@@ -1,4 +1,4 @@
-"""The folder of `shoecal plan`: what an earlier plan left there does not stay beside a new one."""
+"""The folder of `shoecal plan`: what an earlier plan left there does not stay next to a new one."""
 
 from __future__ import annotations
 

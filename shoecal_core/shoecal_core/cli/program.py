@@ -50,14 +50,14 @@ def main(argv: Sequence[str] | None = None) -> int:
                 figures = args.command.run(args, _output())
             _write(args.json, figures)
         except ShoecalError as error:
-            with suppress(FileError):  # where the file itself is at fault, that is told below
+            with suppress(FileError):  # where this file is the faulty one, it is reported below
                 _write(args.json, _why(error))
             raise
     except ToldError:
         return 1
     except ShoecalError as error:
-        told = f"{_plain(error)}{escape(_meant(error))}"
-        errors.print(f"[bold red]shoecal {args.name}:[/] {told}", soft_wrap=True)
+        text = f"{_plain(error)}{escape(_meant(error))}"
+        errors.print(f"[bold red]shoecal {args.name}:[/] {text}", soft_wrap=True)
         return 1
     except KeyboardInterrupt:
         errors.print(f"shoecal {args.name}: interrupted")
@@ -71,16 +71,16 @@ def _write(file: Path | None, figures: Mapping[str, object]) -> None:
 
 
 def _why(error: ShoecalError) -> dict[str, object]:
-    """An error for a program, beside the figures of what was done."""
+    """An error for a program, with the figures of what was done."""
     figures = error.figures if isinstance(error, PartialError) else {}
-    told = {"code": error_code(type(error)), "message": str(error)}
+    content = {"code": error_code(type(error)), "message": str(error)}
     if isinstance(error, FileError):
-        told |= {"file": str(error.path), "field": error.field}
-    return {**figures, "error": told}
+        content |= {"file": str(error.path), "field": error.field}
+    return {**figures, "error": content}
 
 
 def _output() -> Console:
-    """Standard output; wide enough for every table where nobody looks at a terminal."""
+    """Standard output; wide enough for every table where it is no terminal."""
     console = Console(highlight=False)
     return console if console.is_terminal else Console(highlight=False, width=PIPE_WIDTH)
 

@@ -17,7 +17,7 @@ _TEXT = "{task.description}"
 
 @contextmanager
 def shown_progress() -> Iterator[Callable[[str, float], None]]:
-    """A bar that is told what is being done and the share done (0 to 1).
+    """A bar that shows what is being done and the share done (0 to 1).
 
     Where standard error is no terminal, each new step is one line.
     """
@@ -46,26 +46,26 @@ def still_working(name: str, every: float = QUIET_S) -> Iterator[None]:
     """
     console, done, begin = Console(stderr=True, highlight=False), Event(), time.monotonic()
 
-    def tell() -> None:
+    def report() -> None:
         while not done.wait(every):
             console.print(f"shoecal {name}: still working ({time.monotonic() - begin:.0f} s)")
 
-    teller = Thread(target=tell, daemon=True)
-    teller.start()
+    reporter = Thread(target=report, daemon=True)
+    reporter.start()
     try:
         yield
     finally:
         done.set()
-        teller.join()
+        reporter.join()
 
 
 def _lines(console: Console) -> Callable[[str, float], None]:
     last = ""
 
-    def tell(text: str, share: float) -> None:
+    def report(text: str, share: float) -> None:
         nonlocal last
         if text != last:
             console.print(f"[{share:4.0%}] {text}", markup=False)
             last = text
 
-    return tell
+    return report

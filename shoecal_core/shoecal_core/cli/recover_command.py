@@ -18,7 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--out",
         type=Path,
         metavar="FILE",
-        help="the file to make (default: beside it; never overwritten)",
+        help="the file to make (default: next to it; never overwritten)",
     )
 
 

@@ -23,6 +23,6 @@ def screening_table(screening: Screening) -> Table:
     for run, count in screening.samples.items():
         cells = [lost[run, fault] for fault in faults]
         if any(cells):
-            told = [f"{one} ({one / count:.1%})" if one else "-" for one in cells]
-            table.add_row(str(run), str(count), *told)
+            texts = [f"{one} ({one / count:.1%})" if one else "-" for one in cells]
+            table.add_row(str(run), str(count), *texts)
     return table

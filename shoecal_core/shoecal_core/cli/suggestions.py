@@ -21,7 +21,7 @@ def nearest(given: str, known: Iterable[str]) -> str:
 def nearest_file(path: Path) -> str:
     """The same of a file or folder that is not there.
 
-    Looked for are what lies beside it, and files of the configuration of that name.
+    Looked for are its neighbours, and files of the configuration of that name.
     """
     if path.exists():
         return ""
@@ -30,9 +30,9 @@ def nearest_file(path: Path) -> str:
         if missing.parent == missing:
             return ""
         missing = missing.parent
-    beside = {one.name: one for one in _entries(missing.parent)}
-    if found := get_close_matches(missing.name, sorted(beside), n=1):
-        meant = beside[found[0]] / path.relative_to(missing)
+    neighbours = {one.name: one for one in _entries(missing.parent)}
+    if found := get_close_matches(missing.name, sorted(neighbours), n=1):
+        meant = neighbours[found[0]] / path.relative_to(missing)
         return f"; did you mean '{meant}'?" if meant.exists() else ""
     files = {file.stem: file for folder in FOLDERS for file in _entries(config_dir() / folder)
              if file.suffix == ".yaml"}  # fmt: skip

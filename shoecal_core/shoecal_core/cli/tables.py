@@ -27,8 +27,8 @@ def verdict_line(verdict: str, text: str) -> Text:
 
 def reason_lines(calibration: Calibration) -> list[Text]:
     """Why its verdict is what it is, a line a reason, each with its own level."""
-    told = (split_reason(one, calibration.verdict) for one in calibration.reasons)
-    return [verdict_line(level, text) for level, text in told]
+    reasons = (split_reason(one, calibration.verdict) for one in calibration.reasons)
+    return [verdict_line(level, text) for level, text in reasons]
 
 
 def new_table(title: str) -> Table:
@@ -54,7 +54,7 @@ def errors_table(title: str, rows: Sequence[tuple[str, Errors]]) -> Table:
 
 
 def left_out_lines(rows: Sequence[tuple[str, Errors]], *, feet: bool = True) -> list[str]:
-    """Where samples had to be left out of a figure, so that nobody takes it for the whole.
+    """Where samples had to be left out of a figure, so that it is not taken for the whole.
 
     Args:
         rows: of a table of errors.

@@ -93,7 +93,7 @@ def pairs_of(capsules: Sequence[DraftCapsule]) -> list[tuple[str, str]]:
 
 
 def around(points: FloatArray) -> tuple[FloatArray, FloatArray, float]:
-    """Ends and radius of a capsule that holds all points (k, 3), along their longest extent."""
+    """Ends and radius of a capsule around points (k, 3), along their longest extent [m]."""
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
     axis = np.zeros(3)
     axis[int(np.argmax(np.ptp(points, axis=0)))] = 1.0

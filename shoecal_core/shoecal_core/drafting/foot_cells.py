@@ -15,7 +15,7 @@ from shoecal_core.drafting.soles import Sole
 
 NAME = re.compile(r"fsr|load_?cell", re.IGNORECASE)
 LEAST = 3
-"""Fewer cells in a foot tell no CoP."""
+"""Fewer cells in a foot give no CoP."""
 
 
 @dataclass(frozen=True)

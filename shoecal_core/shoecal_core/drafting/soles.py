@@ -71,7 +71,7 @@ def find_sole(body: Body, joint: int, points: FloatArray, forward: FloatArray) -
         body: in its zero pose.
         joint: the leg's last.
         points: (k, 3) corners of the foot's shapes in that joint's frame [m].
-        forward: (3,) in the base.
+        forward: (3,) unit vector in the base frame.
 
     Raises:
         UrdfError: for a foot without shapes, or without a face to stand on.
@@ -113,7 +113,7 @@ def measured_sole(
         body: in its zero pose.
         joint: the leg's last.
         size: of either foot.
-        forward: (3,) in the base.
+        forward: (3,) unit vector in the base frame.
         is_left: the left foot's inner edge is on its right.
     """
     right, left = (size.inner, size.outer) if is_left else (size.outer, size.inner)
@@ -137,7 +137,7 @@ def _sole(body: Body, joint: int, outline: FloatArray, in_base: pin.SE3, height:
 
 
 def simplified(polygon: BaseGeometry) -> FloatArray:
-    """(k, 2) corners of a convex polygon in tenths of a millimetre, few of them."""
+    """(k, 2) corners of a convex polygon [m], few of them, to tenths of a millimetre."""
     step = 2e-4
     coords = shapely.get_coordinates(polygon)
     while len(coords) - 1 > CORNERS:

@@ -42,7 +42,7 @@ def segment_distance(
 def segment_distance_squared(start_a: ca.SX, end_a: ca.SX, start_b: ca.SX, end_b: ca.SX) -> ca.SX:
     """Squared distance between two segments, (3, 1) points, as a smooth expression [m^2].
 
-    The distance of parallel segments does not tell which points are nearest, and those of nearly
+    The distance of parallel segments does not show which points are nearest, and those of nearly
     parallel ones jump from end to end: the distance then has a kink, and derivatives without
     bound. So what is minimised over the places s, t on the segments is
 

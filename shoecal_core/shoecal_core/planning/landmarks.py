@@ -80,6 +80,6 @@ class Contour:
         return np.vstack([midpoints[side], np.roll(self.corners, -(side + 1), axis=0)])
 
     def reversed_targets(self, cop: FloatArray) -> FloatArray:
-        """As `targets`, clockwise: beginning with the start of that side."""
+        """(5, 2) as `targets` [m], but clockwise, beginning with the start of that side."""
         forward = self.targets(cop)
         return np.vstack([forward[:1], forward[:0:-1]])

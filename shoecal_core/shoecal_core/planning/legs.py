@@ -77,7 +77,7 @@ class FootPose:
 
     @property
     def parameters(self) -> FloatArray:
-        """(12,) rotation by columns, then translation: the order LegExpressions wants."""
+        """(12,) rotation by columns, then translation [m]: the order LegExpressions wants."""
         return np.concatenate([self.rotation.T.ravel(), self.translation])
 
 
@@ -99,7 +99,7 @@ class LegExpressions:
 
     Attributes:
         angles: (k, 1) symbol of the leg angles [rad].
-        others: (m, 1) symbol of all joint angles, of which those beside the legs count.
+        others: (m, 1) symbol of all joint angles, of which those outside the legs count.
         foot_pose: (12, 1) symbol of a pose between the feet, as FootPose.parameters.
         share: (2, 1) symbol of the least and greatest share of the weight on the left foot.
         cop: (2, 1) ground projection of the CoM in the left sole's frame [m].

@@ -125,7 +125,7 @@ class SharingSpread:
 
         Args:
             robot: its torque limits, and its joints' sag at them, give the compliances.
-            relative_jacobian: (n, 6, k) as LoadSharing.relative_jacobian.
+            relative_jacobian: (n, 6, k) as LoadSharing.relative_jacobian [m/rad, rad/rad].
         """
         limit = robot.effort_limit[robot.legs]
         if relative_jacobian.ndim != 3 or relative_jacobian.shape[1:] != (6, len(limit)):

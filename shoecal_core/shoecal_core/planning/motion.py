@@ -30,7 +30,7 @@ class Phase:
         name: of the segment that was followed.
         support_phase: which feet stand.
         begin, end: since the motion's begin [s].
-        foot_poses: of the right sole in the left sole's frame, at begin and end.
+        foot_poses: of the right sole in the left sole's frame, at start and end.
         pace: factor on all speeds.
         loaded: whether left, right have to keep load and grip.
     """
@@ -51,7 +51,7 @@ class Motion:
     Attributes:
         name: in the motion catalogue, for example `landmarks`.
         support: where it begins.
-        foot_pose: the pose between the soles there, as the joint angles tell it.
+        foot_pose: the pose between the soles there, by the joint angles.
         joint_names: m joints.
         time: (T,) from zero [s].
         positions: (T, m) [rad].
@@ -99,7 +99,7 @@ def timed(
         legs: of the robot.
         parts: what was planned, one after another.
         name: of the motion.
-        others: (m,) all joint angles, of which those beside the legs count [rad].
+        others: (m,) all joint angles, of which those outside the legs count [rad].
         settings: speeds, accelerations, hold time and sample rate.
     """
     robot = legs.robot
@@ -150,7 +150,7 @@ def _way(
     legs: Legs, segment: MotionSegment, path: Path, others: FloatArray, settings: PlannerSettings
 ) -> _Way:
     settings, robot = settings.paced(segment.pace), legs.robot
-    # Whoever never moves stays for one step.
+    # A robot that never moves stays for one step.
     states = path.states if len(path.states) > 1 else np.repeat(path.states, 2, axis=0)
     count = len(states) - 1
     spline = CubicSpline(np.arange(count + 1), states)

@@ -216,6 +216,6 @@ MOTION_KINDS: Mapping[str, MotionKind] = {
     "unload_right": MotionKind(
         "the right foot lifted a little, for a moment", lambda at: _unload(at, SupportPhase.LEFT)
     ),
-    "torso_tilt": MotionKind("the torso leant forward, back, left and right", _tilt),
+    "torso_tilt": MotionKind("the torso tilted forward, back, left and right", _tilt),
     "torso_height": MotionKind("landmark to landmark with the torso lower", _height),
 }

@@ -77,7 +77,7 @@ class Planner:
         Args:
             ends: of the step, both feet on the floor.
             support_phase: the foot that stands during the step.
-            others: (m,) all joint angles, of which those beside the legs count [rad].
+            others: (m,) all joint angles, of which those outside the legs count [rad].
 
         Raises:
             UnreachableError: when the robot cannot stand on that foot.
@@ -193,11 +193,11 @@ class Planner:
         landmarks, states = sum(len(segment.targets) for segment in segments), 0
         before = 0
 
-        def told(now: Progress) -> None:
+        def report(now: Progress) -> None:
             progress(Progress(before + now.landmark, landmarks, states + now.steps, now.distance))
 
         for segment in segments:
-            path = horizon.roll(start, segment, joint_angles, progress=told, canceled=canceled)
+            path = horizon.roll(start, segment, joint_angles, progress=report, canceled=canceled)
             parts.append((segment, path))
             start = path.states[-1]
             before, states = before + len(segment.targets), states + len(path.states) - 1
@@ -265,13 +265,16 @@ class Planner:
         scene = Scene.of(polygon, 0.0, foot_pose, joint_angles, support_phase.share)
 
         def tasks(leg_angles: FloatArray) -> FloatArray:
+            """(5,) CoP [m], lean, height [m] at leg angles (k,) [rad]."""
             found: FloatArray = self.horizon.collocation.evaluate(leg_angles[None], scene).tasks[0]
             return found
 
         def on_one(pose: FootPose, foot: SupportPhase) -> FloatArray:
+            """(5,) the same, standing on one foot."""
             return tasks(self._stance.solve_on_one(pose, foot, joint_angles))
 
         def within_reach(places: FloatArray) -> FloatArray:
+            """(L, 2) places for the CoP, moved in to where it can be [m]."""
             return self._stance.within_reach(foot_pose, places, joint_angles)
 
         now = tasks(joint_angles[robot.legs])

@@ -112,7 +112,7 @@ class _Task:
         foot_pose: of the right sole in the left sole's frame.
         support_phase: the feet that stand.
         target: (2,) place of the CoP, left sole's frame [m].
-        others: (m,) all joint angles, of which those beside the legs count [rad].
+        others: (m,) all joint angles, of which those outside the legs count [rad].
         aside: how far the CoP may be from its place, forward and sideways [m].
         inward: greatest part of the way to the middle between the feet by which it may be moved.
     """
@@ -186,7 +186,7 @@ class StanceSolver:
         Args:
             foot_pose: of the right sole in the left sole's frame.
             places: in the left sole's frame.
-            others: (m,) all joint angles, of which those beside the legs count [rad].
+            others: (m,) all joint angles, of which those outside the legs count [rad].
         """
         centre = middle(self._legs.robot, foot_pose.support)
         found = np.full(places.shape, np.nan)
@@ -206,7 +206,7 @@ class StanceSolver:
         Args:
             foot_pose: of the right sole in the left sole's frame.
             support_phase: the foot.
-            others: (m,) all joint angles, of which those beside the legs count [rad].
+            others: (m,) all joint angles, of which those outside the legs count [rad].
 
         Raises:
             UnreachableError: when no posture within the margins does it.

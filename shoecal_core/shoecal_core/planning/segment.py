@@ -47,7 +47,7 @@ class MotionSegment:
 
     def __post_init__(self) -> None:
         if not self.foot_poses:
-            raise ShoecalError(f"part '{self.name}' of a motion tells no pose of the feet")
+            raise ShoecalError(f"part '{self.name}' of a motion has no pose of the feet")
         if not np.all(np.isfinite(self.targets)):
             raise ShoecalError(f"part '{self.name}' has targets that are not finite numbers")
         if len(self.foot_poses) > 1 and not len(self.targets):
@@ -59,7 +59,7 @@ class MotionSegment:
         return len(self.foot_poses) > 1
 
     def pose(self, state: int) -> FootPose:
-        """Between the feet, at a state counted from the part's begin."""
+        """Between the feet, at a state counted from the part's start."""
         return self.foot_poses[min(state, len(self.foot_poses) - 1)]
 
     def scene(
@@ -84,7 +84,7 @@ class MotionSegment:
         )
 
     def aim(self, target: FloatArray, horizon: int, state: int) -> Aim:
-        """A target (5,) for the states after one, counted from the part's begin."""
+        """A target (5,) for the states after one, counted from the part's start."""
         if self.support_phase is not SupportPhase.RIGHT:
             return Aim(target[None], self.weights)
         poses = self._ahead(state, horizon)
@@ -93,7 +93,7 @@ class MotionSegment:
         )
 
     def local(self, tasks: FloatArray, state: int) -> FloatArray:
-        """(5,) what is pursued, in the frame of `targets`, from tasks (5,) of a state."""
+        """(5,) what is pursued, in the frame of `targets`, from tasks (5,) of a state [m, -, m]."""
         return in_standing(tasks, self.pose(state), self.support_phase)
 
     def _ahead(self, state: int, horizon: int) -> list[FootPose]:
@@ -110,7 +110,7 @@ class MotionSegment:
 
 
 def in_left(tasks: FloatArray, pose: FootPose, support_phase: SupportPhase) -> FloatArray:
-    """Tasks (5,) in the left sole's frame from those of the foot that carries; soles are level."""
+    """Tasks (5,) [m, -, m] in the left sole's frame from the carrying foot's; soles are level."""
     if support_phase is not SupportPhase.RIGHT:
         return tasks
     support = pose.support
@@ -119,7 +119,7 @@ def in_left(tasks: FloatArray, pose: FootPose, support_phase: SupportPhase) -> F
 
 
 def in_standing(tasks: FloatArray, pose: FootPose, support_phase: SupportPhase) -> FloatArray:
-    """Tasks (5,) in the frame of the foot that carries from those of the left sole's frame."""
+    """Tasks (5,) [m, -, m] in the carrying foot's frame from those in the left sole's frame."""
     if support_phase is not SupportPhase.RIGHT:
         return tasks
     support = pose.support

@@ -103,7 +103,7 @@ class Stepper:
         )
 
     def arrived(self, foot_pose: FootPose, goal: DoubleSupport) -> bool:
-        """Whether the feet stand in a double support, as well as measured angles can tell."""
+        """Whether the feet stand in a double support, as well as measured angles can show."""
         settings, there = self.planner.settings, foot_pose.support
         way = float(np.hypot(there.dx - goal.dx, there.dy - goal.dy))
         return (

@@ -43,7 +43,7 @@ def swing_segment(
     *,
     pause: float = 0.0,
 ) -> MotionSegment:
-    """A foot led along poses; the rest goes to an aim (5,), in the standing foot's frame."""
+    """A foot led along poses; the rest goes to an aim (5,) [m, -, m], standing foot's frame."""
     weights = settings.task_weights
     return MotionSegment(
         name, aim[None], weights, foot_poses, support_phase, settings.step_pace, pause
@@ -90,7 +90,7 @@ def interpolated_poses(
     Args:
         begin, end: of the right sole in the left sole's frame.
         support_phase: the foot that stands.
-        states: steps from begin to end.
+        states: steps from start to end.
         aside: how far the way bulges outward in its middle [m].
     """
     first, last = _of_swing(begin, support_phase), _of_swing(end, support_phase)

@@ -73,7 +73,7 @@ class Bracket:
     valid: NDArray[np.bool_]
 
     def interpolate(self, values: Floats) -> Floats:
-        """Values (k, c) of the samples, linearly at the wanted times: (T, c), NaN where invalid."""
+        """Values (k, c) of the samples at the wanted times (T, c), same unit; NaN where invalid."""
         start = values[self.before]
         found = start + self.fraction[:, None] * (values[self.after] - start)
         found[~self.valid] = np.nan

@@ -140,7 +140,7 @@ class Bag:
         with open_file(self.path) as file:
             by_zstd = file.read(len(ZSTD)) == ZSTD
         if packed and not by_zstd:
-            damaged = "is not compressed by zstd, as its name says; copy it anew"
+            damaged = "is not compressed by zstd, as its name says; copy it again"
             other = f"is compressed; {_cure(self.path)}"
             zstd = UNPACK[self.path.suffix] == UNPACK[".zst"]
             raise FileUnreadableError(self.path, damaged if zstd else other)
@@ -176,7 +176,7 @@ def _check_folder(folder: Path) -> None:
         names = yaml.safe_load(read_bytes(metadata))[BAG_INFORMATION]["relative_file_paths"]
         files = [folder / PurePath(name).name for name in names]
     except (yaml.YAMLError, UnicodeDecodeError, TypeError, KeyError, IndexError) as error:
-        cure = f"make it anew with `ros2 bag reindex {folder}`"
+        cure = f"make it again with `ros2 bag reindex {folder}`"
         raise FileSyntaxError(metadata, f"does not list the files of a bag; {cure}") from error
     for file in files:
         if file.exists():

@@ -19,7 +19,7 @@ from shoecal_core.recording.bag_mapping import BagMapping, BagTrial, load_bag_ma
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.foreign import Floats, ImportedRun, StampedMessage, Stamps
 from shoecal_core.recording.imported_angles import check_angles
-from shoecal_core.recording.join import in_order, tell_two_orders, two_orders
+from shoecal_core.recording.join import in_order, two_orders, two_orders_text
 from shoecal_core.recording.names import without_prefix
 from shoecal_core.recording.schemas import SHOE_VOLTAGES_TYPE
 from shoecal_core.recording.session import Session
@@ -85,7 +85,7 @@ class _Samples:
     rows: list[Sequence[float] | NDArray[np.float64]] = field(default_factory=list)
 
     def ordered(self) -> tuple[Stamps, Floats]:
-        """Stamps (T,) that increase and rows (T, k)."""
+        """Stamps (T,) [ns] that increase, and rows (T, k) in the message's units."""
         stamps = np.array(self.stamps, dtype=np.int64)
         kept = in_order(stamps)
         return stamps[kept], np.array(self.rows, dtype=np.float64)[kept]
@@ -243,7 +243,7 @@ class _Importer:
             notes.append(f"{topic}: {without} messages without joint angles left out")
         groups = [(names, np.array(one.stamps)) for (names, _), one in by_names.items()]
         if (twice := two_orders(groups)) is not None:
-            raise RecordingError(path, tell_two_orders(*twice), field=topic)
+            raise RecordingError(path, two_orders_text(*twice), field=topic)
         unknown = set[str]()
         found = []
         for (names, with_effort), samples in by_names.items():

@@ -64,7 +64,7 @@ def _degrees(names: Sequence[str], measured: NDArray[np.float64], robot: Robot) 
 def _measured(
     bag: Bag, joints: Match, robot: Robot, span: tuple[float, float] | None
 ) -> tuple[list[str], NDArray[np.float64]]:
-    """Names of the robot's joints, and their angles (k, m) as some messages tell them."""
+    """Names of the robot's joints, and their angles (k, m) from some messages [rad]."""
     ends = (None, None) if span is None else tuple(bag.start_ns + round(1e9 * at) for at in span)
     names: list[str] = []
     rows: list[NDArray[np.float64]] = []

@@ -43,7 +43,7 @@ class Block:
 
     @property
     def stamp_ns(self) -> NDArray[np.int64]:
-        """(k,) header stamps; zero where the sender set none."""
+        """(k,) header stamps [ns]; zero where the sender set none."""
         sec = self.numbers["header.stamp.sec"][:, 0].astype(np.int64)
         nanosec = self.numbers["header.stamp.nanosec"][:, 0].astype(np.int64)
         return sec * _NANOSECONDS + nanosec

@@ -138,12 +138,12 @@ class CsvTable:
                 f"'{text}' has a '.', but 'decimal' is '{self._decimal}'; export the file without "
                 "thousands separators, or correct 'decimal'"
             )
-        told = f"'{text}' is not a number"
+        fault = f"'{text}' is not a number"
         if self._decimal == "." and "," in text:
-            return f"{told}; does the mapping lack decimal: ','?"
+            return f"{fault}; does the mapping lack decimal: ','?"
         if place == 0 and math.isfinite(self._number(following)):
-            return f"{told}; skip a row of units below the header with 'lines_after_header: 1'"
-        return f"{told}; leave the value empty where there is none, or correct the file"
+            return f"{fault}; skip a row of units below the header with 'lines_after_header: 1'"
+        return f"{fault}; leave the value empty where there is none, or correct the file"
 
     def read_all(self, columns: tuple[CsvColumn, ...], *, gaps: bool = False) -> Floats:
         """Numbers (T, c) of several columns; see `read`."""

@@ -13,8 +13,8 @@ _PYTHON = re.compile(r"""\w*\((['"])(.*?)\1,?\)|[\[\]{}]|: \((\d+, )+\d+\)""")
 
 def reason_of(error: BaseException) -> str:
     """What a library says of a file that it cannot read, without Python's way to write it."""
-    told = "" if isinstance(error, KeyError) else _PYTHON.sub(r"\2", str(error))
-    return told or "its content is not of its kind"
+    text = "" if isinstance(error, KeyError) else _PYTHON.sub(r"\2", str(error))
+    return text or "its content is not of its kind"
 
 
 class RecordingError(FileError):

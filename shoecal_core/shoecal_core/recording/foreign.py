@@ -185,6 +185,7 @@ def joint_states(
     count = len(names)
 
     def one(stamp: int, values: Floats) -> bytes:
+        """Positions, then efforts if any: (m,) or (2m,)."""
         return messages.joint_state(
             stamp, names, values[:count], None if effort is None else values[count:]
         )
@@ -200,6 +201,7 @@ def wrenches(
     topic = schemas.FORCE_TORQUE[FEET.index(foot)]
 
     def one(stamp: int, values: Floats) -> bytes:
+        """Force, then torque: (6,)."""
         return messages.wrench(stamp, frame, values[:3], values[3:])
 
     return _stamped(topic, stamps, series(one, stamps, np.hstack([force, torque])))
@@ -237,6 +239,7 @@ def base_poses(
     """/base_pose: position (T, 3) [m], quaternion (T, 4) x y z w in `frame`."""
 
     def one(stamp: int, values: Floats) -> bytes:
+        """Position, then quaternion: (7,)."""
         return messages.pose(stamp, frame, values[:3], values[3:])
 
     return _stamped(
@@ -250,6 +253,7 @@ def imu(
     """/imu: orientation (T, 4) x y z w or None, rate (T, 3) [rad/s], (T, 3) [m/s^2] in `frame`."""
 
     def one(stamp: int, values: Floats) -> bytes:
+        """Rate, acceleration, then the quaternion if any: (6,) or (10,)."""
         orientation = None if quaternion is None else values[6:]
         return messages.imu(stamp, frame, orientation, values[:3], values[3:6])
 

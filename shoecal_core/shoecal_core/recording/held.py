@@ -17,7 +17,7 @@ moves."""
 
 
 def held(stamp_ns: NDArray[np.int64], values: Floats) -> NDArray[np.bool_]:
-    """(T,) readings of one source (T, k) that are its last ones sent again."""
+    """(T,) mask of readings of one source (T, k) that are its last ones sent again."""
     steps = np.abs(np.diff(values, axis=0))
     if not len(steps) or sum(map(_trembles, steps.T)) < min(TREMBLING, values.shape[1]):
         return np.zeros(len(values), dtype=bool)

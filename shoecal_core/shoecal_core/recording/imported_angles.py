@@ -112,15 +112,15 @@ def _beyond_limits(
     for joint, (_, position) in angles.items():
         if joint not in limits or not len(position):
             continue
-        told = beyond_limits(joint, position, *limits[joint])
-        if told and in_degrees(position, *limits[joint]):
+        excess = beyond_limits(joint, position, *limits[joint])
+        if excess and in_degrees(position, *limits[joint]):
             raise RecordingError(
                 source,
-                f"{told}, but within them in degrees; give the mapping "
+                f"{excess}, but within them in degrees; give the mapping "
                 "'angle_unit: deg', or correct its zero",
             )
-        if told:
-            found[joint] = told
+        if excess:
+            found[joint] = excess
     if not found:
         return []
     first, *others = found
@@ -133,13 +133,13 @@ def _support(
 ) -> DoubleSupport:
     """Where the right sole is by forward kinematics."""
     robot = kinematics.robot
-    told = {name: one for name, one in angles.items() if len(one[0]) and name in robot.joint_names}
-    first = max((times[0] for times, _ in told.values()), default=0.0)
-    last = min((times[-1] for times, _ in told.values()), default=0.0)
+    known = {name: one for name, one in angles.items() if len(one[0]) and name in robot.joint_names}
+    first = max((times[0] for times, _ in known.values()), default=0.0)
+    last = min((times[-1] for times, _ in known.values()), default=0.0)
     instants = np.linspace(first, last, SAMPLES)
-    positions = [np.interp(instants, *one) for one in told.values()]
+    positions = [np.interp(instants, *one) for one in known.values()]
     try:
-        measured = robot.from_measured(list(told), np.reshape(positions, (-1, SAMPLES)).T)
+        measured = robot.from_measured(list(known), np.reshape(positions, (-1, SAMPLES)).T)
     except JointsMissingError as error:
         raise RecordingError(source, str(error)) from error
     return kinematics.states(measured).support()
@@ -156,14 +156,14 @@ def _compare(
         opposite = abs(own + seen) < 0.25 * apart
         if apart <= (0.5 * limit if opposite else limit):
             continue
-        told = f"{name} is {own:.4g} {unit}, but {seen:.4g} {unit} by the joint angles"
+        difference = f"{name} is {own:.4g} {unit}, but {seen:.4g} {unit} by the joint angles"
         if opposite:
             raise FieldError(
                 mapping,
-                f"{told} of {source.name}: the sign is opposite; correct it (right sole in the "
-                "left one's frame: dx forward, dy to the left, dtheta counter-clockwise), or the "
-                "signs of the joints",
+                f"{difference} of {source.name}: the sign is opposite; correct it (right sole in "
+                "the left one's frame: dx forward, dy to the left, dtheta counter-clockwise), or "
+                "the signs of the joints",
                 field=field,
             )
-        notes.append(f"support: {told}; correct it, or check the joints' zeros")
+        notes.append(f"support: {difference}; correct it, or check the joints' zeros")
     return notes

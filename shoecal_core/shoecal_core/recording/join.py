@@ -55,12 +55,12 @@ class OverlapError(Exception):
 def two_orders(
     groups: Sequence[tuple[Sequence[str], NDArray[np.int64]]],
 ) -> tuple[str, tuple[Sequence[str], Sequence[str]]] | None:
-    """A name that two senders tell in turns, and their lists of names; None where nobody does.
+    """A name that two senders send in turns, and their lists of names; None without one.
 
     One sender lists its names in one order, whichever of them it leaves out now and then.
 
     Args:
-        groups: lists of names, each with the stamps (k,) of its messages.
+        groups: lists of names, each with the stamps (k,) of its messages [ns].
     """
     for (one, stamps), (other, others) in itertools.combinations(groups, 2):
         shared = [name for name in one if name in other]
@@ -72,17 +72,17 @@ def two_orders(
     return None
 
 
-def tell_two_orders(name: str, lists: tuple[Sequence[str], Sequence[str]]) -> str:
+def two_orders_text(name: str, lists: tuple[Sequence[str], Sequence[str]]) -> str:
     """The error for what `two_orders` finds."""
     one, other = (f"{', '.join(names[:3])}, …" for names in lists)
     return (
-        f"two senders tell '{name}' in turns, one as ({one}), the other as ({other}); record one "
+        f"two senders send '{name}' in turns, one as ({one}), the other as ({other}); record one "
         "of them"
     )
 
 
 def in_order(stamp_ns: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """(k,) which samples to keep: as many as can be whose stamps increase.
+    """(k,) mask of samples to keep: as many as can be whose stamps (k,) [ns] increase.
 
     So one stamp far ahead is left out, not all that follow it.
     """
@@ -114,7 +114,7 @@ def join(
     """Put pieces together by equal stamps.
 
     Returns:
-        Stamps (T,), and each quantity (T, width), NaN where no piece has it.
+        Stamps (T,) [ns], and each quantity (T, width), NaN where no piece has it.
 
     Raises:
         TwoSourcesError: when a column is given twice at one time.

@@ -15,7 +15,7 @@ from shoecal_core.errors import ShoecalError
 from shoecal_core.recording import schemas
 from shoecal_core.recording.columns import Block
 from shoecal_core.recording.container import read_container
-from shoecal_core.recording.join import Piece, tell_two_orders, two_orders
+from shoecal_core.recording.join import Piece, two_orders, two_orders_text
 from shoecal_core.recording.readings import make_readings, read_readings
 from shoecal_core.recording.run import (
     CommandedTrajectory,
@@ -84,7 +84,7 @@ def _joints(source: RecordedSource) -> tuple[NDArray[np.int64], tuple[str, ...],
     if (
         twice := two_orders([(block.texts["name"], block.stamp_ns) for block in blocks])
     ) is not None:
-        raise source.error(topic, tell_two_orders(*twice))
+        raise source.error(topic, two_orders_text(*twice))
     pieces = []
     lacking, naming = np.zeros(len(names), dtype=int), np.zeros(len(names), dtype=int)
     for block in blocks:

@@ -94,7 +94,7 @@ class _Part:
 
 
 def recovered_path(path: Path) -> Path:
-    """Where to put what is rescued: an unfinished run under its own name, else beside it."""
+    """Where to put what is rescued: an unfinished run under its own name, else next to it."""
     path = Path(path)
     whole = path.with_suffix("") if path.suffix == PART else path
     return whole if path != whole and not whole.exists() else whole.with_suffix(".recovered.mcap")

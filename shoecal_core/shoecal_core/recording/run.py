@@ -42,8 +42,8 @@ class JointSamples:
     @property
     def rate_hz(self) -> float:
         """Samples a second of one joint: drivers of legs and arms may have times of their own."""
-        told = np.isfinite(self.position)
-        return float(np.median([_rate(self.time[column]) for column in told.T] or [0.0]))
+        known = np.isfinite(self.position)
+        return float(np.median([_rate(self.time[column]) for column in known.T] or [0.0]))
 
 
 @dataclass(frozen=True)
@@ -196,7 +196,7 @@ def _check_shape(name: str, array: NDArray[np.generic], shape: tuple[int, ...]) 
 
 def _rate(time: Floats) -> float:
     """Samples a second without the gaps: samples of one packet may be stamped shortly after each
-    other, so a median interval would tell of the packets.
+    other, so a median interval would be that of the packets.
     """
     steps = np.diff(time)
     if not len(steps):

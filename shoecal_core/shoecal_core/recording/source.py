@@ -81,7 +81,7 @@ class RecordedSource:
             ) from error
 
     def columns(self, topic: str, found: Sequence[str], names: Sequence[str]) -> NDArray[np.int64]:
-        """Places (k,) of a message's k names among all names.
+        """(k,) indices of a message's k names among all names.
 
         Raises:
             RecordingError: for an unknown name or one that is twice in a message.

@@ -1,4 +1,4 @@
-"""What the report on a calibration tells of its trustworthiness."""
+"""What the report on a calibration shows of its uncertainty."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Told:
-    """What the data told, and what they did not.
+class AssessmentContent:
+    """What the data identify, and what they do not.
 
     Attributes:
         assessment: of the calibration.
@@ -45,14 +45,16 @@ class Told:
         return max(self.assessment.told.possible, self.assessment.told.rank)
 
 
-def told_by(outcome: CalibrationOutcome, settings: CalibrationSettings | None = None) -> Told:
-    """What the data of a calibration told.
+def assessment_content(
+    outcome: CalibrationOutcome, settings: CalibrationSettings | None = None
+) -> AssessmentContent:
+    """What the data of a calibration identify.
 
     Args:
         outcome: of `calibrate_session`.
         settings: that it was called with.
     """
-    return Told(
+    return AssessmentContent(
         assessment=outcome.assessment,
         fixed_below=(settings or CalibrationSettings()).fixed_below,
         screening=outcome.screening,

@@ -1,4 +1,4 @@
-"""The figures of what the data told."""
+"""Figures of the expected errors and of what the data identify."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from shoecal_core.estimation.expected import Spread
-from shoecal_core.report.assessment_content import Told
+from shoecal_core.report.assessment_content import AssessmentContent
 from shoecal_core.report.calibration_content import CalibrationReport
 from shoecal_core.report.error_source_names import source_name
 from shoecal_core.report.figures.directions import singular_values
@@ -26,13 +26,13 @@ SHOWN_SOURCES = 8
 
 
 def rms(values: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> float:
-    """Root mean square of what is known."""
+    """Root mean square of values (p,) in their unit; NaN is left out."""
     return float(np.sqrt(np.nanmean(values**2)))
 
 
-def error_pictures(content: CalibrationReport, told: Told) -> tuple[Picture, ...]:
+def error_pictures(content: CalibrationReport, assessed: AssessmentContent) -> tuple[Picture, ...]:
     """Maps of the CoP's expected error, both feet together and each."""
-    robot, shoe, found = content.robot, content.shoe, told.assessment
+    robot, shoe, found = content.robot, content.shoe, assessed.assessment
     neutral = DoubleSupport(*(float(value) for value in robot.support_range.neutral))
     own = [foot_shape(robot, shoe, foot) for foot in (0, 1)]
     both = ErrorMap(
@@ -46,7 +46,7 @@ def error_pictures(content: CalibrationReport, told: Told) -> tuple[Picture, ...
         for side, shape, spread in zip(FEET, own, found.feet, strict=True)
     ]
     levels = common_levels([both, *each])
-    title = told.error_name[0].upper() + told.error_name[1:]
+    title = assessed.error_name[0].upper() + assessed.error_name[1:]
     listed = "; ".join(
         f"{side} {_summary(spread)}" for side, spread in zip(FEET, found.feet, strict=True)
     )
@@ -78,9 +78,9 @@ def _summary(spread: Spread) -> str:
     )
 
 
-def source_pictures(told: Told) -> tuple[Picture, ...]:
+def source_pictures(assessed: AssessmentContent) -> tuple[Picture, ...]:
     """Error sources of the CoP of both feet together, and of single feet; none for a walk."""
-    budget = told.assessment.budget
+    budget = assessed.assessment.budget
     if budget is None:
         return ()
     pictures = []
@@ -98,20 +98,20 @@ def source_pictures(told: Told) -> tuple[Picture, ...]:
     return tuple(pictures)
 
 
-def direction_picture(told: Told) -> Picture:
+def direction_picture(assessed: AssessmentContent) -> Picture:
     """Singular values."""
-    found = told.assessment.told
+    found = assessed.assessment.told
     return Picture(
-        f"Identified: {found.rank} of {told.possible} directions",
-        singular_values(found.singular_values, 1.0 / told.fixed_below),
+        f"Identified: {found.rank} of {assessed.possible} directions",
+        singular_values(found.singular_values, 1.0 / assessed.fixed_below),
         "Each direction is a pattern of gains and offsets. One over its value is what the data "
         "leave of it: 100 is 1 % of the gains, or of each channel's even share of the weight.",
     )
 
 
-def load_pictures(content: CalibrationReport, told: Told) -> tuple[Picture, ...]:
+def load_pictures(content: CalibrationReport, assessed: AssessmentContent) -> tuple[Picture, ...]:
     """How far each channel was loaded, forces apart from torques."""
-    shoe, ends = content.shoe, told.assessment.load_range
+    shoe, ends = content.shoe, assessed.assessment.load_range
     pictures = []
     for torque, kind in ((False, "force"), (True, "torque")):
         chosen = np.flatnonzero(shoe.torque == torque)
@@ -132,12 +132,12 @@ def load_pictures(content: CalibrationReport, told: Told) -> tuple[Picture, ...]
     return tuple(pictures)
 
 
-def left_out_picture(content: CalibrationReport, told: Told) -> Picture | None:
+def left_out_picture(content: CalibrationReport, assessed: AssessmentContent) -> Picture | None:
     """When samples were left out; None where every one counts."""
     ends: dict[int, float] = {
         run.run: max(float(one.stance.time[-1]) for one in run.stances) for run in content.runs
     }
-    return left_out_spans(told.screening, ends)
+    return left_out_spans(assessed.screening, ends)
 
 
 def left_out_spans(screening: Screening, ends: Mapping[int, float]) -> Picture | None:

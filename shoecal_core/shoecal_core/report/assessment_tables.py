@@ -1,4 +1,4 @@
-"""The tables of what the data told."""
+"""Tables of the expected errors and of what the data identify."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from shoecal_core.planning.supports.identifiability import WeakDirection
-from shoecal_core.report.assessment_content import Told
+from shoecal_core.report.assessment_content import AssessmentContent
 from shoecal_core.report.assessment_figures import cause_name, rms
 from shoecal_core.report.error_source_names import cure, source_name
 from shoecal_core.report.page import Table
@@ -20,9 +20,9 @@ from shoecal_core.shoe.shoe import FEET
 LISTED_SOURCES, LEAST_WIN = 6, 0.005
 
 
-def expected_table(told: Told) -> Table:
+def expected_table(assessed: AssessmentContent) -> Table:
     """Expected errors of GRF and CoP."""
-    found = told.assessment
+    found = assessed.assessment
     rows = []
     for label, spread in zip(
         ("both feet", *(f"{side} foot" for side in FEET)),
@@ -40,7 +40,7 @@ def expected_table(told: Told) -> Table:
             )
         )
     return Table(
-        "Expected errors" if told.carried else "Known part of the errors",
+        "Expected errors" if assessed.carried else "Known part of the errors",
         ("", "GRF", "CoP", "CoP along x", "CoP along y", "CoP, worst place"),
         tuple(rows),
         "CoP: mean absolute error over the sensing polygons. GRF, and the CoP along one axis: "
@@ -49,9 +49,9 @@ def expected_table(told: Told) -> Table:
     )
 
 
-def helps_table(told: Told) -> Table | None:
+def helps_table(assessed: AssessmentContent) -> Table | None:
     """What knowing an error source exactly would win; None where that is not known."""
-    budget = told.assessment.budget
+    budget = assessed.assessment.budget
     if budget is None:
         return None
     known = [
@@ -95,7 +95,7 @@ def weak_table(weak: Sequence[WeakDirection], note: str = "") -> Table | None:
     if not weak:
         return None
     rows = tuple((one.words, _known_to(one.uncertainty)) for one in weak)
-    return Table("Left open by the data", ("direction", "what the data tell of it"), rows, note)
+    return Table("Left open by the data", ("direction", "what is known of it"), rows, note)
 
 
 def _known_to(uncertainty: float) -> str:

@@ -1,4 +1,4 @@
-"""What the report on a calibration tells."""
+"""Content of the report on a calibration."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.estimation.comparison import StanceComparison, stage_errors
 from shoecal_core.estimation.fit import SelfCalibration
 from shoecal_core.estimation.series import Errors, Series, errors
-from shoecal_core.report.assessment_content import Told
+from shoecal_core.report.assessment_content import AssessmentContent
 from shoecal_core.report.figures.series import joined
 from shoecal_core.robot.robot import Robot
 from shoecal_core.samples.zeros import ZeroFigures
@@ -72,13 +72,13 @@ class RunReport:
 
 @dataclass(frozen=True)
 class CalibrationReport:
-    """Everything that a calibration's report tells.
+    """Everything that a calibration's report shows.
 
     Attributes:
         robot, shoe: what was calibrated.
         calibration: with its verdict.
         stages: how it was found; None where it was not found from these runs.
-        told: what the data told of it and what not; None likewise.
+        assessed: what the data identify and what not; None likewise.
         runs: training runs first.
         timing: seconds by stage, for example `plan`, `record`, `solve`, `total`.
         provenance: lines that say where this is from; what is simulated and what is real.
@@ -90,7 +90,7 @@ class CalibrationReport:
     calibration: Calibration
     stages: SelfCalibration | None
     runs: tuple[RunReport, ...]
-    told: Told | None = None
+    assessed: AssessmentContent | None = None
     timing: Mapping[str, float] = field(default_factory=dict)
     provenance: tuple[str, ...] = ()
     zeros: tuple[ZeroFigures, ...] = ()
@@ -113,14 +113,14 @@ class CalibrationReport:
 
     @property
     def half_widths(self) -> FloatArray:
-        """(2n,) half widths of the 95 % intervals of gains and offsets, NaN where unknown.
+        """(2n,) half widths of the 95 % intervals of gains and offsets, in their units.
 
-        Where it is known, patterns that no data show are left out of them.
+        NaN where unknown. Where known, patterns that no data show are left out of them.
         """
         covariance = self.calibration.covariance
         width: FloatArray = np.full(2 * len(self.shoe.names), np.nan)
-        if self.told is not None:
-            width = self.told.assessment.interval()[: len(width)]
+        if self.assessed is not None:
+            width = self.assessed.assessment.interval()[: len(width)]
         elif covariance is not None:
             width = NORMAL_95 * np.sqrt(np.diag(covariance))
         return width

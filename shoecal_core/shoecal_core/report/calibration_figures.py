@@ -25,7 +25,7 @@ GUESS, MEASURED, MODELLED = "initial guess", "calibrated", "model"
 
 
 def accuracy_pictures(content: CalibrationReport) -> tuple[Picture, ...]:
-    """Errors by stage, then by run beside the model's own."""
+    """Errors by stage, then by run next to the model's own."""
     stages = [
         (label, look, name == "test", found)
         for stage, label, look in (
@@ -69,7 +69,7 @@ def accuracy_pictures(content: CalibrationReport) -> tuple[Picture, ...]:
 
 
 def run_label(run: RunReport, content: CalibrationReport) -> str:
-    """Short where many runs stand beside each other."""
+    """Short where many runs are shown side by side."""
     return f"run {run.run}" if len(content.runs) <= 6 else str(run.run)
 
 
@@ -156,8 +156,8 @@ def foot_picture(content: CalibrationReport, run: RunReport) -> Picture:
     caption = ""
     if content.has_truth:
         found = run.errors("measured").foot_cop
-        told = (f"{foot} {mean_error(found[i], 'mm', 1e3)}" for i, foot in enumerate(FEET))
-        caption = f"CoP MAE ± standard deviation: {', '.join(told)}."
+        errors = (f"{foot} {mean_error(found[i], 'mm', 1e3)}" for i, foot in enumerate(FEET))
+        caption = f"CoP MAE ± standard deviation: {', '.join(errors)}."
     return Picture(f"Run {run.run} ({set_name(run)})", cop_under_feet(panels), caption)
 
 

@@ -70,7 +70,7 @@ def calibration_page(content: CalibrationReport, seen: StillStrip | str | None =
     """The report, ready to be rendered; the same content makes the same page.
 
     Args:
-        content: what it tells.
+        content: what it shows.
         seen: the robot in motion, or why it cannot be seen.
     """
     return Page(
@@ -78,7 +78,7 @@ def calibration_page(content: CalibrationReport, seen: StillStrip | str | None =
         subtitle=subtitle(content),
         verdict=verdict_of(content.calibration),
         key_figures=_key_figures(content),
-        sections=(_accuracy(content), *_told(content), _channels(content),
+        sections=(_accuracy(content), *_assessment(content), _channels(content),
                   *zeros_section(content.zeros), _runs(content, seen), _feet(content),
                   _details(content)),
         provenance=content.provenance,
@@ -116,7 +116,7 @@ def _key_figures(content: CalibrationReport) -> tuple[KeyFigure, ...]:
     found = content.errors["self_calibration"][judged]
     before = content.errors["initial_guess"][judged]
     where = "test runs" if judged == "test" else "training runs"
-    against, told = f"against the {content.reference}", content.told
+    against, assessed = f"against the {content.reference}", content.assessed
     keys = [
         KeyFigure(f"CoP error {against}", mean_error(found.cop, "mm", 1e3),
                   _note(where, mean_error(before.cop, "mm", 1e3), stages is not None)),
@@ -125,13 +125,13 @@ def _key_figures(content: CalibrationReport) -> tuple[KeyFigure, ...]:
     ]  # fmt: skip
     if content.has_truth:
         keys += _foot_keys(found, f"{against}, {where}")
-    if told is not None:
-        late = time_offset_text(told, content.calibration.time_offset)
-        expected = expected_keys(told)
+    if assessed is not None:
+        late = time_offset_text(assessed, content.calibration.time_offset)
+        expected = expected_keys(assessed)
         # What to plan with comes first: against the model nearly every fit looks good.
-        keys = [*expected, *keys] if told.carried else [*keys, *expected]
+        keys = [*expected, *keys] if assessed.carried else [*keys, *expected]
         keys += [
-            KeyFigure("identified", f"{told.assessment.told.rank} of {told.possible}",
+            KeyFigure("identified", f"{assessed.assessment.told.rank} of {assessed.possible}",
                       "directions of gains and offsets"),
             KeyFigure("time offset", late, "joints after readings; 95 % interval"),
         ]  # fmt: skip
@@ -168,8 +168,8 @@ def _accuracy(content: CalibrationReport) -> Section:
     return Section("Accuracy", (group,), text)
 
 
-def _told(content: CalibrationReport) -> tuple[Section, ...]:
-    return () if content.told is None else (assessment_section(content, content.told),)
+def _assessment(content: CalibrationReport) -> tuple[Section, ...]:
+    return () if content.assessed is None else (assessment_section(content, content.assessed),)
 
 
 def _channels(content: CalibrationReport) -> Section:

@@ -105,7 +105,7 @@ def channels_table(content: CalibrationReport) -> Table:
         note = "Output = gain · reading + offset. This calibration came without uncertainties."
     elif any(len(shoe.of_foot(foot)) > WRENCH for foot in (0, 1)):
         unseen = "patterns that no double support shows, such as + − − + over four offsets"
-        if content.told is None:
+        if content.assessed is None:
             note += f" Single offsets look uncertain: it also holds {unseen}."
         else:
             note += f" It leaves out {unseen}."

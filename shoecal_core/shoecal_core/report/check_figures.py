@@ -32,7 +32,7 @@ def recorded_strip(content: CheckReport) -> StillStrip | None:
     if number is None:
         return None
     aligned = content.aligned[number]
-    # Until it is calibrated nobody knows a force: what is shown is the modelled CoP.
+    # Forces are not known before the calibration: the modelled CoP is shown.
     cop = aligned.states.cop[:, 0]
     shown = np.linspace(0, len(aligned.time) - 1, COUNT).round().astype(int).tolist()
 
@@ -47,7 +47,7 @@ def recorded_strip(content: CheckReport) -> StillStrip | None:
     return StillStrip(
         f"The robot in run {number}",
         drawn[0],
-        "Posed by the recorded joint angles; limbs are drawn as thick as their mass tells. Red "
+        "Posed by the recorded joint angles; limbs are as thick as their mass requires. Red "
         "line: where the model has had the CoP, seen through the feet; dashed: from the "
         "CoM down. Left leg blue, right leg orange; the lighter floor is the hull of the sensing "
         "polygons.",
@@ -79,14 +79,14 @@ def raw_picture(content: CheckReport, entry: RunEntry) -> Picture:
                 low=low,
                 high=high,
                 limits=tuple(end for end in (channel.lowest, channel.highest) if low < end < high),
-                told=quantity(spread, shoe.unit, 2),
+                number=quantity(spread, shoe.unit, 2),
                 worst=0 if moved is None else int(np.argmax(moved)),
                 kept=bool(known.any()) and channel.name not in faulty,
             )
         )
     keys = [(FEET_LOOKS[0], "left"), (FEET_LOOKS[1], "right")]
     svg = strips(readings.time, rows, keys, "each strip: that channel’s range", "range here")
-    caption = f"At fault: {', '.join(sorted(faulty))}." if faulty else ""
+    caption = f"Faulty: {', '.join(sorted(faulty))}." if faulty else ""
     return Picture(f"Run {entry.run} ({entry.info.motion})", svg, caption)
 
 

@@ -48,7 +48,7 @@ def check_page(content: CheckReport, seen: StillStrip | str | None = None) -> Pa
     """The report, ready to be rendered; the same content makes the same page.
 
     Args:
-        content: what it tells.
+        content: what it shows.
         seen: the robot in motion, or why it cannot be seen.
     """
     session = content.session

@@ -38,9 +38,9 @@ UNKNOWN_CURE = (
     "to mind can be described as an effect of its own and tried: --effects-from."
 )
 SMALL_N = 0.095
-"""Smaller errors of the GRF are told to the millinewton [N]."""
+"""Smaller errors of the GRF are given to the millinewton [N]."""
 LIKELY = 0.5
-"""Causes of a smaller probability are told as a surmise."""
+"""Causes of a smaller probability are reported as a hypothesis."""
 MOST_CAUSES = 2
 """Causes that have a key figure of their own."""
 
@@ -107,7 +107,7 @@ def _spreads(diagnosis: Diagnosis) -> tuple[float, float]:
 
 
 def run_text(diagnosis: Diagnosis) -> str:
-    """The runs that figures are told of."""
+    """The runs that the figures are of."""
     if not diagnosis.test:
         return "training runs, for want of test runs"
     plural = "s" if len(diagnosis.test) > 1 else ""
@@ -129,7 +129,7 @@ def _against(diagnosis: Diagnosis) -> str:
 
 
 def _what(diagnosis: Diagnosis) -> list[str]:
-    """A line a cause, and what cannot be told from them."""
+    """A line for each cause, and what cannot be distinguished from them."""
     if not diagnosis.causes:
         if diagnosis.verdict == "no_gap":
             gap = diagnosis.gap
@@ -141,8 +141,8 @@ def _what(diagnosis: Diagnosis) -> list[str]:
             return [f"CoP and GRF are off by {off}, where noise alone leaves {floor}."]
         return ["No effect of the library, at any place, changes the signals as they are off."]
     first, *others = diagnosis.causes
-    told = [_cause_line(first, "Found", "Perhaps")]
-    told += [_cause_line(one, "And", "Perhaps also") for one in others]
+    lines = [_cause_line(first, "Found", "Perhaps")]
+    lines += [_cause_line(one, "And", "Perhaps also") for one in others]
     chosen = {(one.effect, one.location) for one in diagnosis.causes}
     rivals: list[str] = []
     replaced: list[str] = []
@@ -151,8 +151,8 @@ def _what(diagnosis: Diagnosis) -> list[str]:
         (replaced if taken else rivals).append(candidate_text(one))
     if rivals:
         place = f"In place of {listed(replaced)}" if replaced else "In place of one of these"
-        told.append(f"{place} it could as well be {listed(rivals, 'or')}.")
-    return told
+        lines.append(f"{place} it could as well be {listed(rivals, 'or')}.")
+    return lines
 
 
 def _cause_line(cause: Cause, likely: str, unlikely: str) -> str:
@@ -165,8 +165,8 @@ def cause_text(cause: Cause) -> str:
     place = place_text(cause.effect, cause.location)
     run = "" if cause.run is None else f", in run {cause.run}"
     size = sizes_text(cause)
-    told = f"{effect_text(cause.effect)}{f' ({place}{run})' if place or run else ''}"
-    return f"{told}: {size}" if size else told
+    text = f"{effect_text(cause.effect)}{f' ({place}{run})' if place or run else ''}"
+    return f"{text}: {size}" if size else text
 
 
 def _where(diagnosis: Diagnosis) -> str:
@@ -180,7 +180,7 @@ def _where(diagnosis: Diagnosis) -> str:
 def whole_shrink(diagnosis: Diagnosis) -> Shrink:
     """With all causes together; without an interval where that was not measured.
 
-    The shrink of one of several causes is told beside the others: it ends where all are in.
+    The shrink of one of several causes is given on top of the others: it ends where all are in.
     """
     if diagnosis.shrink is not None:
         return diagnosis.shrink

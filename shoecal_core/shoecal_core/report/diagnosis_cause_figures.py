@@ -92,13 +92,13 @@ def candidate_pictures(evidence: Evidence) -> tuple[Picture, ...]:
         if not _moved(evidence, rivals, name, rows) > 0.0:
             continue
         factor, unit = unit_of(name)
-        told = signal_text(name)
+        title = signal_text(name)
         panels = [_added(evidence, rival, name, rows, factor) for rival in rivals]
         pictures.append(
             Picture(
-                told,
+                title,
                 added_variables(
-                    [one for one in panels if len(one.change)], (BEFORE, AFTER), unit, told
+                    [one for one in panels if len(one.change)], (BEFORE, AFTER), unit, title
                 ),
                 "Right candidate: without it the dots climb like the dashed line, with it they lie "
                 "flat. A narrow column: this candidate can change next to nothing here.",

@@ -80,9 +80,9 @@ def _under_feet(
         [field_under(evidence, fitted, every, foot) for foot in (0, 1)] for _, fitted, _ in pairs
     ]
     times = magnification([_arrows(one) for both in fields for one in both], cop_noise(evidence))
-    shares, told = _cell_shares(diagnosis), "its share of the gap"
+    shares, meaning = _cell_shares(diagnosis), "its share of the gap"
     if not shares:
-        shares, told = (
+        shares, meaning = (
             _accounted_for(evidence, shoe),
             "what one wrong force there could account for",
         )
@@ -95,7 +95,7 @@ def _under_feet(
                  _at_cells(shoe, foot, shares) if label == pairs[0][0] else ())
             for foot in (0, 1)
         ]  # fmt: skip
-        numbers = f" Per cent at a cell: {told}." if any(one.shares for one in soles) else ""
+        numbers = f" Per cent at a cell: {meaning}." if any(one.shares for one in soles) else ""
         pictures.append(
             Picture(
                 f"Error by where each foot was loaded{label}",
@@ -121,7 +121,7 @@ def _cell_shares(diagnosis: Diagnosis) -> dict[str, float]:
 
 
 def _accounted_for(evidence: Evidence, shoe: Shoe) -> dict[str, float]:
-    """Of every cell; nothing of six-axis sensors, which tell force and moments apart."""
+    """Of every cell; nothing of six-axis sensors, which separate force and moments."""
     shares = {
         channel.name: accounted_for(evidence, evidence.without, channel.foot, channel.position)
         for channel in shoe.channels
@@ -143,7 +143,7 @@ def _at_cells(
 
 
 def lever_picture(evidence: Evidence, robot: Robot, shoe: Shoe) -> Picture | None:
-    """Where a wrong force would have to act; None where no sample tells."""
+    """Where a wrong force would have to act; None where no sample shows it."""
     found = [lever_points(evidence, evidence.without, foot) for foot in (0, 1)]
     clear = int(max(one.clear.sum() for one in found))
     if clear < 10:
@@ -154,9 +154,9 @@ def lever_picture(evidence: Evidence, robot: Robot, shoe: Shoe) -> Picture | Non
     return Picture(
         "Where one wrong force would have to act",
         lever_map(maps),
-        f"One wrong force moves GRF and CoP together, and how far each tells its place. Drawn is "
+        f"One wrong force moves GRF and CoP together, and how far each shows its place. Drawn is "
         f"where the {clear} samples point whose GRF is clearly off. Dark around a cell: that cell "
-        "reads wrong. Spread over all of the soles or beside them: no single cell, look at the "
+        "reads wrong. Spread over all of the soles or outside them: no single cell, look at the "
         "body, the floor or the time.",
     )
 

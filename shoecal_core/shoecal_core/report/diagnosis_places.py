@@ -58,12 +58,12 @@ class Levers:
 
     @property
     def clear(self) -> BoolArray:
-        """(T,) samples that tell a place."""
+        """(T,) mask of samples that show a place."""
         return np.asarray(np.isfinite(self.points).all(axis=1))
 
 
 def signal(evidence: Evidence, fitted: Fitted, name: str) -> FloatArray:
-    """(T,) of one signal's residual; NaN throughout where it was not there."""
+    """(T,) residual of one signal, in its unit; NaN throughout where it was not there."""
     if name not in evidence.signals:
         return np.full(len(evidence.time), np.nan)
     values: FloatArray = fitted.residuals[:, evidence.signals.index(name)]
@@ -88,7 +88,7 @@ def cop_noise(evidence: Evidence) -> float:
 
 
 def stands(evidence: Evidence, run: int) -> DoubleSupport | None:
-    """Where the right foot stands in a run; None where it is not told."""
+    """Where the right foot stands in a run; None where it is not known."""
     both = (evidence.run == run) & np.isfinite(evidence.support).all(axis=1)
     standing = both & evidence.loaded.all(axis=1)
     rows = standing if standing.any() else both
@@ -98,9 +98,9 @@ def stands(evidence: Evidence, run: int) -> DoubleSupport | None:
 
 
 def in_sole(evidence: Evidence, values: FloatArray, foot: int, *, vectors: bool) -> FloatArray:
-    """Points or vectors (T, 2) from the frame of the stance to one foot's sole frame.
+    """Points or vectors (T, 2) [m] from the frame of the stance to one foot's sole frame.
 
-    NaN where nobody knows where the other foot stands.
+    NaN where the other foot's place is not known.
     """
     brought = np.full_like(values, np.nan)
     frame = np.where(evidence.loaded[:, 0], 0, 1)
@@ -118,7 +118,13 @@ def in_sole(evidence: Evidence, values: FloatArray, foot: int, *, vectors: bool)
 
 
 def field(places: FloatArray, arrows: FloatArray, force: FloatArray) -> Field:
-    """Means over the squares of a grid in which there are enough samples."""
+    """Means over the squares of a grid in which there are enough samples.
+
+    Args:
+        places: (T, 2) of the samples [m].
+        arrows: (T, 2) CoP residual [m].
+        force: (T,) GRF residual [N].
+    """
     known = np.isfinite(np.column_stack((places, arrows, force))).all(axis=1)
     places, arrows, force = places[known], arrows[known], force[known]
     if not len(places):
@@ -129,6 +135,7 @@ def field(places: FloatArray, arrows: FloatArray, force: FloatArray) -> Field:
     enough = count >= LEAST_SAMPLES
 
     def mean(values: FloatArray) -> FloatArray:
+        """(k,) means of values (T,)."""
         means: FloatArray = np.bincount(owner, values)[enough] / count[enough]
         return means
 
@@ -140,7 +147,7 @@ def field(places: FloatArray, arrows: FloatArray, force: FloatArray) -> Field:
 
 
 def field_between(evidence: Evidence, fitted: Fitted, rows: BoolArray) -> Field:
-    """Residual over the modelled CoP, in the left sole's frame."""
+    """Residual over the modelled CoP, in the left sole's frame, of samples `rows` (T,)."""
     return field(
         in_sole(evidence, evidence.cop, 0, vectors=False)[rows],
         in_sole(evidence, cop_residual(evidence, fitted), 0, vectors=True)[rows],
@@ -149,7 +156,7 @@ def field_between(evidence: Evidence, fitted: Fitted, rows: BoolArray) -> Field:
 
 
 def field_under(evidence: Evidence, fitted: Fitted, rows: BoolArray, foot: int) -> Field:
-    """Residual of both feet over the place where one foot was loaded, in its sole frame."""
+    """Residual of both feet over the CoP of one foot, in its sole frame, of samples `rows` (T,)."""
     return field(
         evidence.foot_cop[rows, foot],
         in_sole(evidence, cop_residual(evidence, fitted), foot, vectors=True)[rows],

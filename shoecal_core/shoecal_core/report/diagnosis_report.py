@@ -50,7 +50,7 @@ def write_diagnosis_report(
     """Write the report as one self-contained HTML file, whole or not at all.
 
     Args:
-        diagnosis: what it tells; without `evidence` there are no pictures of samples.
+        diagnosis: what it shows; without `evidence` there are no pictures of samples.
         path: of the HTML file.
         robot, shoe: that the session was recorded with.
         provenance: lines that say where the session is from; see report/origin.py.
@@ -142,7 +142,7 @@ def _which(diagnosis: Diagnosis) -> Section | None:
 def _alike(diagnosis: Diagnosis) -> Section:
     table = alike_table(diagnosis)
     if table is None:
-        text = "All effects that this session can show, it can also tell apart."
+        text = "All effects that this session can show, it can also separate."
     else:
         text = "Effects that change what is measured in the same way, as far as this session goes."
     return _plain("What cannot be separated", table, text)
@@ -169,7 +169,7 @@ def _shrink(diagnosis: Diagnosis) -> Section | None:
     )
     if any(cause.simulated is not None for cause in diagnosis.causes):
         text += (
-            " Beside it, the effect was given to a simulated robot, which replayed the same "
+            " In addition, the effect was given to a simulated robot, which replayed the same "
             "commanded motion: everything called simulated below comes from there."
         )
     evidence = diagnosis.evidence

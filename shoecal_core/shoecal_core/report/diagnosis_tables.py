@@ -67,7 +67,7 @@ def budget_table(diagnosis: Diagnosis) -> Table | None:
 
 
 def alike_table(diagnosis: Diagnosis) -> Table | None:
-    """Sets that cannot be told apart, and why; None where there are none."""
+    """Sets that cannot be separated, and why; None where there are none."""
     sets = list(diagnosis.cannot_separate)
     first = tuple(one.label for one in diagnosis.ambiguity)
     if len(first) > 1 and set(first) not in [set(one) for one in sets]:
@@ -79,21 +79,20 @@ def alike_table(diagnosis: Diagnosis) -> Table | None:
         names = [label_text(name) for name in one]
         if len(names) > MOST_OF_SET:
             names[MOST_OF_SET:] = [f"{len(names) - MOST_OF_SET} more"]
-        told = listed(names, "or")
-        reasons.setdefault(why_alike(one), []).append(told)
+        reasons.setdefault(why_alike(one), []).append(listed(names, "or"))
     return Table(
         "Alike in this session",
         ("these", "because"),
-        tuple((_first(told), why) for why, told in reasons.items()),
-        "Told of the motions of this session. What is not found is listed too: if it were "
+        tuple((_first(alike), why) for why, alike in reasons.items()),
+        "For the motions of this session. What is not found is listed too: if it were "
         "there, it could be taken for its companion.",
     )
 
 
-def _first(told: Sequence[str]) -> str:
+def _first(names: Sequence[str]) -> str:
     """A few of many, and how many more."""
-    shown = "; ".join(told[:MOST_ALIKE])
-    return shown if len(told) <= MOST_ALIKE else f"{shown}; and {len(told) - MOST_ALIKE} more"
+    shown = "; ".join(names[:MOST_ALIKE])
+    return shown if len(names) <= MOST_ALIKE else f"{shown}; and {len(names) - MOST_ALIKE} more"
 
 
 def blind_spots_table(diagnosis: Diagnosis) -> Table | None:
@@ -134,7 +133,7 @@ def shrink_table(diagnosis: Diagnosis) -> Table:
         rows.append(_shrink_row(f"{name}, simulated", simulated))
     if several:
         rows += [
-            _shrink_row(f"{candidate_text(cause)}, beside the others", cause.shrink)
+            _shrink_row(f"{candidate_text(cause)}, with the others", cause.shrink)
             for cause in diagnosis.causes
         ]
     return Table(
@@ -142,7 +141,7 @@ def shrink_table(diagnosis: Diagnosis) -> Table:
         ("with", "share that is gone", "CoP error", "GRF error"),
         tuple(rows),
         "Share that is gone: of the squared error beyond noise, on the runs judged."
-        + (" Beside the others: from all but this one to all." if several else ""),
+        + (" With the others: from all but this one to all." if several else ""),
     )
 
 

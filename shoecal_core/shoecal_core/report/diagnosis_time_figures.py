@@ -26,19 +26,19 @@ _CAPTIONS = {
     "cop": "Measured minus modelled, in the sole's frame.",
     "closure": "Joints alone: while both feet stand, the pose of one sole in the other must not "
     "change. No force sensor takes part: what shows here lies in joints or in a foot that moved.",
-    "parity": "Under a stiff plate three cells tell the fourth: what shows here lies in cells.",
+    "parity": "Under a stiff plate three cells give the fourth: what shows here lies in cells.",
     "tilt": "By the inertial sensor and by joints and model.",
     "air": "A foot in the air must feel nothing but its own weight.",
 }
 
 
 def time_pictures(diagnosis: Diagnosis, evidence: Evidence) -> tuple[Picture, ...]:
-    """Each signal that tells something, run by run."""
+    """Each signal that shows something, run by run."""
     pictures = (
         _picture(
             diagnosis, evidence, name, signal_text(name), _CAPTIONS.get(name.split("_")[0], "")
         )
-        for name in told_signals(diagnosis, evidence)
+        for name in loud_signals(diagnosis, evidence)
     )
     return tuple(picture for picture in pictures if picture is not None)
 
@@ -70,7 +70,7 @@ def _picture(
     return Picture(title, run_lines(rows, (BEFORE, AFTER), unit, noise, signal_text(name)), caption)
 
 
-def told_signals(diagnosis: Diagnosis, evidence: Evidence) -> list[str]:
+def loud_signals(diagnosis: Diagnosis, evidence: Evidence) -> list[str]:
     """Force and CoP always, of the others the loudest, where something is in them."""
     named = {place.signal for place in diagnosis.where}
     loud = {name: _loudness(evidence, name) for name in evidence.signals}
@@ -91,7 +91,7 @@ def _loudness(evidence: Evidence, name: str) -> float:
 
 
 def quiet_signals(diagnosis: Diagnosis, evidence: Evidence) -> list[str]:
-    """Signals that were there and told nothing but noise."""
+    """Signals that were there and showed nothing but noise."""
     return [
         name for name in evidence.signals
         if name not in ALWAYS and 0.0 < _loudness(evidence, name) <= LOUD

@@ -54,11 +54,11 @@ def history_report(path: Path, history: Sequence[HistoryEntry]) -> None:
 def _changes(entry: HistoryEntry) -> list[tuple[bool, str]]:
     """Whether channels of the latest have changed for sure, and which."""
     names = np.array(entry.calibration.channels)
-    told = []
+    changes = []
     for kind, beyond in (("gains", entry.gain_beyond), ("offsets", entry.offset_beyond)):
         listed = ", ".join(names[beyond]) or "none"
-        told.append((bool(beyond.any()), f"{kind} changed by more than 2 std: {listed}"))
-    return told
+        changes.append((bool(beyond.any()), f"{kind} changed by more than 2 std: {listed}"))
+    return changes
 
 
 def _foot(history: Sequence[HistoryEntry], foot: str) -> Group:

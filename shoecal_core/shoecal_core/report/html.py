@@ -20,7 +20,7 @@ from shoecal_core.report.template import PAGE, STYLE
 FEWEST_KEYS, MOST_KEYS, MOST_PRINTED_KEYS = 4, 7, 5
 """Columns of key figures on a wide page, and on paper."""
 SIGNS = {"PASS": "✓", "WARN": "!", "FAIL": "✕"}
-"""Beside the colours, for those who do not see them."""
+"""In addition to the colours, for those who do not see them."""
 
 
 def render(page: Page) -> str:

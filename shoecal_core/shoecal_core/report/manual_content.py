@@ -1,4 +1,4 @@
-"""What the report on a manual calibration tells."""
+"""Content of the report on a manual calibration."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where a recording is from, as a page tells it: simulated or real, which session, which files."""
+"""Where a recording is from, as a page shows it: simulated or real, which session, which files."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import Shoe
 
 SHORT = 12
-"""Digits of a hash that a page tells."""
+"""Digits of a hash that a page shows."""
 
 
 def origin(session: Session, runs: Iterable[int]) -> str:
-    """Whether some runs were simulated: those have a truth beside them."""
+    """Whether some runs were simulated: those have a truth file."""
     if any(session.truth_path(run).is_file() for run in runs):
         return "The recorded robot, its shoes and the floor are simulated."
     return "Nothing in the session says that it was simulated: taken as recorded on hardware."

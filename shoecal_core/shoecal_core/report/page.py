@@ -136,7 +136,7 @@ class Still:
 
 @dataclass(frozen=True)
 class StillStrip:
-    """Pictures of some instants beside each other, as wide as the page."""
+    """Pictures of some instants side by side, as wide as the page."""
 
     title: str
     stills: tuple[Still, ...]

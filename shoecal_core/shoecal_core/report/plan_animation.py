@@ -63,7 +63,7 @@ def frames(planned: PlannedMotion, motion_points: BodyPoints) -> PlayerFrames:
 
 
 def lifted(planned: PlannedMotion, samples: NDArray[np.int64]) -> str:
-    """A letter a sample: the foot in the air, `-` for none."""
+    """A letter for each of the samples (k,): the foot in the air, `-` for none."""
     letters = np.full(len(planned.motion.time), "-")
     for stand in planned.stands:
         if stand.feet != BOTH:

@@ -19,6 +19,7 @@ def moved(planned: PlannedMotion, sample: int) -> Skeleton:
     turn, place = turns[sample, stance], places[sample, stance]
 
     def there(points: FloatArray) -> FloatArray:
+        """(k, 3) points in the world [m]."""
         placed: FloatArray = points @ turn.T + place
         return placed
 
@@ -29,7 +30,7 @@ def moved(planned: PlannedMotion, sample: int) -> Skeleton:
 
 
 def polygons(planned: PlannedMotion, sample: int) -> tuple[FloatArray, FloatArray]:
-    """Sensing polygons of both feet in the world at a sample."""
+    """Corners (c, 3) of each foot's sensing polygon at a sample, in the world [m]."""
     turns, places = planned.soles
     left, right = (
         np.column_stack((foot.sensing_polygon, np.zeros(len(foot.sensing_polygon))))

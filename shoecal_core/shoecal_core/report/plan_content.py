@@ -160,7 +160,7 @@ class PlannedMotion:
     def _in_world(self, place: FloatArray, sample: int) -> FloatArray:
         """A place (2,) in the left sole's frame where it is when the feet next stand [m].
 
-        Targets of a part in which the left foot moves are told from where it comes down. A sample
+        Targets of a part in which the left foot moves are given from where it comes down. A sample
         at the border of two parts is the last one of the first.
         """
         stand = next(one for one in self.stands if sample <= one.end)

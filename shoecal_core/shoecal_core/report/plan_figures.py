@@ -29,7 +29,7 @@ KEYS = tuple((Look(SIDES[side], 1.3), f"{FEET[side]} leg") for side in (0, 1))
 
 
 def motion_pictures(planned: PlannedMotion) -> tuple[Picture, ...]:
-    """All still figures of a motion, the most telling one first."""
+    """All still figures of a motion, the most important one first."""
     return (
         Picture("Seen from above", above(planned), ABOVE),
         Picture("CoP against time", in_time(planned), "When the CoP comes to which landmark."),
@@ -42,7 +42,7 @@ def motion_pictures(planned: PlannedMotion) -> tuple[Picture, ...]:
 
 ABOVE = (
     "The robot faces upwards. A landmark counts as reached when the CoP (here: the CoM's ground "
-    "projection) comes into its ring; one that is out of reach is left out, and its distance told."
+    "projection) comes into its ring; one that is out of reach is left out, and its distance given."
 )
 MARGINS = (
     "The worst of the whole motion, tightest first, found by a check that is independent of the "
@@ -90,7 +90,7 @@ def placed(planned: PlannedMotion, foot: int, sample: int, points: FloatArray) -
 
 
 def hulls(planned: PlannedMotion) -> list[FloatArray]:
-    """Hulls of both sensing polygons, of each while in which both feet carry, once each."""
+    """Corners (h, 2) of the hull of both sensing polygons, once for each double support [m]."""
     found: list[FloatArray] = []
     for stand in planned.stands:
         if stand.feet != BOTH:

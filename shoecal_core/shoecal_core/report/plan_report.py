@@ -60,7 +60,7 @@ def write_plan(
     shoe: Shoe | None = None,
     known: Identifiability | None = None,
 ) -> None:
-    """Write `plan.html`, and beside it `LABEL.svg` for every motion.
+    """Write `plan.html`, and next to it `LABEL.svg` for every motion.
 
     Args:
         folder: to write into.
@@ -141,7 +141,7 @@ def _fixed_figure(known: Identifiability) -> tuple[KeyFigure, ...]:
 
 
 def _fixed_line(known: Identifiability) -> str:
-    """A sentence for the verdict: a motion that may be done can still tell too little."""
+    """A sentence for the verdict: a feasible motion may still identify too little."""
     if known.rank >= known.possible:
         return "A calibration from these motions would identify every identifiable direction."
     return (
@@ -162,7 +162,7 @@ def verdict(
     unplanned: Sequence[Unplanned] = (),
     known: Identifiability | None = None,
 ) -> PageVerdict:
-    """Whether the robot may do it, what it will not reach, and whether it would tell enough."""
+    """Whether the robot may do it, what it will not reach, and whether it identifies enough."""
     lines = (_fixed_line(known),) if known else ()
     reasons = []
     for planned in motions:

@@ -17,7 +17,7 @@ COUNT = 6
 
 
 CAPTION = (
-    "As planned; limbs are drawn as thick as their mass tells. Red arrow: the force on the floor, "
+    "As planned; limbs are as thick as their mass requires. Red arrow: the force on the floor, "
     "at the CoP; red line: where the CoP has been, both seen through legs and feet; "
     "dashed: from the CoM down. Left leg blue, right leg orange; the lighter floor is the hull of "
     "the sensing polygons."

@@ -69,7 +69,7 @@ class TargetMark:
 
     @property
     def label(self) -> str:
-        """All that is to be told of it."""
+        """Its numbers and what is missing."""
         return f"{self.numbers}: {self.missing}" if self.missing else self.numbers
 
 

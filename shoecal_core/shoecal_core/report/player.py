@@ -1,7 +1,7 @@
 """An animation within a page: shapes of an SVG that follow points in time.
 
 The figure as it stands is a still. The script below moves it: every element inside a `data-view`
-group names the points it is drawn through, and the frames tell where these are.
+group names the points it is drawn through, and the frames hold where these are.
 """
 
 from __future__ import annotations
@@ -78,9 +78,9 @@ class PlayerFrames:
             [_track(1e3 * self.points[:, point, axis], decimals) for axis in range(3)]
             for point, decimals in enumerate(self.decimals)
         ]
-        told = {"duration": round(self.duration, 3), "lifted": self.lifted, "points": tracks}
+        frames = {"duration": round(self.duration, 3), "lifted": self.lifted, "points": tracks}
         # A name that closes the script element must not be able to.
-        return json.dumps(told, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+        return json.dumps(frames, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
 
 
 def _track(values: FloatArray, decimals: int) -> float | list[float]:

@@ -17,7 +17,7 @@ PLUS_MINUS = f"{SPACE}±{SPACE}"
 def channel_units(shoe: Shoe, *, torque: bool) -> tuple[str, str]:
     """Units of a channel's output and of its gain; `1` for a plain ratio.
 
-    A shoe whose readings are newtons tells torques in newton metres.
+    A shoe whose readings are newtons gives torques in newton metres.
     """
     output = "N m" if torque else "N"
     reading = output if shoe.unit == "N" else shoe.unit

@@ -14,7 +14,7 @@ from shoecal_core.shoe.shoe import FEET
 def run_strip(content: CalibrationReport) -> StillStrip | None:
     """The first run between feet that stand; None where no feet do.
 
-    Runs are told training runs first, so it is the one that their section begins with.
+    Training runs are listed first, so it is the one that their section begins with.
 
     Raises:
         NoPictureError: where nothing can draw it.
@@ -27,7 +27,7 @@ def run_strip(content: CalibrationReport) -> StillStrip | None:
     return StillStrip(
         f"The robot in run {run.run}",
         stills(content.robot, content.shoe, [instants])[0],
-        "Posed by the recorded joint angles; limbs are drawn as thick as their mass tells. Red "
+        "Posed by the recorded joint angles; limbs are as thick as their mass requires. Red "
         "arrow: the calibrated force on the floor, at the CoP; red line: where the CoP has been, "
         "both seen through legs and feet; "
         f"dashed: from the CoM down. {FEET[0].capitalize()} leg blue, {FEET[1]} leg orange; "

@@ -11,7 +11,7 @@ from shoecal_core.estimation.comparison import StanceComparison, compare
 from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.truth import Truth
-from shoecal_core.report.assessment_content import told_by
+from shoecal_core.report.assessment_content import assessment_content
 from shoecal_core.report.calibration_content import CalibrationReport, RunReport
 from shoecal_core.report.calibration_report import calibration_report
 from shoecal_core.report.origin import origin
@@ -64,7 +64,7 @@ def session_content(
     timing: Mapping[str, float] | None = None,
     provenance: Sequence[str] = (),
 ) -> CalibrationReport:
-    """What the report tells; arguments as in `write_session_report`."""
+    """What the report shows; arguments as in `write_session_report`."""
     kinematics = Kinematics(outcome.data.robot)
     by_run: dict[int, list[StanceComparison]] = {}
     known = truths or {}
@@ -77,7 +77,7 @@ def session_content(
         calibration=outcome.calibration,
         stages=outcome.stages,
         runs=tuple(_run(session, outcome, kinematics, stances) for stances in by_run.values()),
-        told=told_by(outcome, settings),
+        assessed=assessment_content(outcome, settings),
         timing=timing or {},
         provenance=(*_origin(session, outcome), *provenance),
         zeros=tuple(outcome.zeros),
@@ -96,8 +96,8 @@ def _run(
 
 
 def _origin(session: Session, outcome: CalibrationOutcome) -> list[str]:
-    told = origin(session, outcome.data.stances)
-    return [told, f"Session folder {session.folder.name}; {_listed(outcome)}."]
+    recorded = origin(session, outcome.data.stances)
+    return [recorded, f"Session folder {session.folder.name}; {_listed(outcome)}."]
 
 
 def _listed(outcome: CalibrationOutcome) -> str:

@@ -129,7 +129,7 @@ def canvas(height: float) -> Iterator[Canvas]:
 
 
 def draw_line(axes: Axes, x: FloatArray, y: FloatArray, look: Look, label: str = "") -> None:
-    """A line of any length, thinned out; NaN leaves a gap."""
+    """A line through points x (T,), y (T,), thinned out; NaN leaves a gap."""
     x, y = thinned(x, y)
     (line,) = axes.plot(x, y, color=look.colour.light, linewidth=look.width, label=label)
     line.set_solid_capstyle("round")
@@ -146,7 +146,7 @@ def line_key(look: Look, label: str) -> Line2D:
 
 
 def thinned(x: FloatArray, y: FloatArray, most: int = MAX_POINTS) -> tuple[FloatArray, FloatArray]:
-    """At most about `most` points of a line, in which every peak and every gap is still there.
+    """At most about `most` points of a line (T,), with every peak and every gap still there.
 
     Of each stretch of samples the one of the lowest y, the one of the highest, and one that is
     NaN are kept.

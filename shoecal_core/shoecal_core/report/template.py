@@ -115,9 +115,9 @@ PAGE = """\
 {% endif %}
 </figure>
 {% endif %}
-{% set beside = group.pictures | length == 1 and group.tables %}
-{% if beside %}
-<div class="beside">
+{% set paired = group.pictures | length == 1 and group.tables %}
+{% if paired %}
+<div class="paired">
 {% endif %}
 {% if group.pictures %}
 <div class="pictures">
@@ -163,7 +163,7 @@ PAGE = """\
 {% endfor %}
 </div>
 {% endif %}
-{% if beside %}
+{% if paired %}
 </div>
 {% endif %}
 {% endfor %}
@@ -217,10 +217,10 @@ h4{font-size:14px;font-weight:600;margin:0 0 8px}
 .keys dd.note{font-size:13px;font-weight:400;line-height:1.4}
 @media (min-width:1000px){
 .keys{grid-template-columns:repeat(var(--columns),minmax(0,1fr))}
-.beside{display:grid;grid-template-columns:minmax(0,1fr) minmax(0,2fr);gap:14px;
+.paired{display:grid;grid-template-columns:minmax(0,1fr) minmax(0,2fr);gap:14px;
  align-items:start;margin-top:10px}
-.beside>.pictures,.beside>.tables{margin-top:0}
-.beside .pictures{grid-template-columns:minmax(0,1fr)}
+.paired>.pictures,.paired>.tables{margin-top:0}
+.paired .pictures{grid-template-columns:minmax(0,1fr)}
 }
 nav{display:flex;flex-wrap:wrap;gap:4px 18px;margin:18px 0 0}
 a{color:var(--blue);text-underline-offset:3px}
@@ -281,9 +281,9 @@ h3{margin-top:12px}
 .text{break-inside:avoid;margin:2px 0 6px}
 .pictures{grid-template-columns:repeat(3,1fr);gap:8px}
 .keys{grid-template-columns:repeat(var(--printed),minmax(0,1fr))}
-.beside{display:grid;grid-template-columns:minmax(0,1fr) minmax(0,2fr);gap:8px;align-items:start}
-.beside>.pictures,.beside>.tables{margin-top:0}
-.beside .pictures{grid-template-columns:minmax(0,1fr)}
+.paired{display:grid;grid-template-columns:minmax(0,1fr) minmax(0,2fr);gap:8px;align-items:start}
+.paired>.pictures,.paired>.tables{margin-top:0}
+.paired .pictures{grid-template-columns:minmax(0,1fr)}
 .stills{grid-template-columns:repeat(6,1fr)}
 figure{padding:6px 8px}
 h4{margin-bottom:3px}

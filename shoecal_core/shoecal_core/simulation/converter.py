@@ -24,7 +24,7 @@ class ConvertedReadings:
         counts: (..., n) whole steps.
         voltages: (..., n) the same in the shoe's unit.
         status: (..., n) GOOD or SATURATED.
-        temperature: (...) of the shoes as the device tells it [degC]; NaN where it does not.
+        temperature: (...) of the shoes as the device reports it [degC]; NaN where it does not.
     """
 
     counts: NDArray[np.int64]

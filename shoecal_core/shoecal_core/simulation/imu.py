@@ -17,7 +17,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ImuReadings:
-    """What the sensor tells, at one instant or many (...), in its own frame.
+    """What the sensor measures, at one instant or many (...), in its own frame.
 
     Attributes:
         orientation: (..., 4) of its frame against a level one: x, y, z, w.
@@ -33,8 +33,8 @@ class ImuReadings:
 class Imu:
     """Turns the root link's true motion into readings.
 
-    The sensor is mounted a little askew, which no reading of it alone can tell from a slope of
-    the floor; its noise is white. Its yaw counts from the floor's x axis.
+    The sensor is mounted a little askew, which its readings alone cannot distinguish from a slope
+    of the floor; its noise is white. Its yaw counts from the floor's x axis.
     """
 
     def __init__(
@@ -61,7 +61,7 @@ class Imu:
         rules, shape = self._rules, at.base_orientation.shape[:-1]
         white = self._noise.standard_normal((*shape, 9)).reshape(-1, 9)
         true = self._floor * Rotation.from_quat(at.base_orientation.reshape(-1, 4))
-        told = (
+        orientation = (
             true * self._mounting * Rotation.from_rotvec(rules.orientation_std_rad * white[:, :3])
         )
         rate, force = (
@@ -69,7 +69,7 @@ class Imu:
             for vectors in (at.base_rate, at.base_force)
         )
         return ImuReadings(
-            told.as_quat().reshape(*shape, 4),
+            orientation.as_quat().reshape(*shape, 4),
             (rate + rules.gyro_std_rad_per_s * white[:, 3:6]).reshape(*shape, 3),
             (force + rules.accelerometer_std_mps2 * white[:, 6:]).reshape(*shape, 3),
         )

@@ -1,4 +1,4 @@
-"""What a simulated robot tells of its joints."""
+"""What a simulated robot reports of its joints."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class JointReadings:
-    """What the robot tells of its joints, m of them.
+    """What the robot reports of its m joints.
 
     Attributes:
         angles: as encoders show them [rad].

@@ -13,8 +13,8 @@ FloatArray = NDArray[np.float64]
 def place_showing(sim: SimulatedRobot, joint_angles: FloatArray) -> None:
     """Put the robot down so that, at rest, its encoders show these angles.
 
-    Servos give under load, so a robot that is told what another one showed stands lower than that
-    one, and its feet push each other otherwise. What it misses is added to what it is told.
+    Servos give under load, so a robot that is commanded what another one showed stands lower than
+    that one, and its feet push each other otherwise. What it misses is added to its command.
 
     Args:
         sim: to put down.
@@ -25,7 +25,7 @@ def place_showing(sim: SimulatedRobot, joint_angles: FloatArray) -> None:
         RobotFellError: when it falls.
     """
     sim.place(joint_angles)
-    told = 2.0 * joint_angles - sim.joints().angles
+    commanded = 2.0 * joint_angles - sim.joints().angles
     for motor in sim.robot.shared:
-        told[motor.joint] = motor.ratio * told[motor.leader]
-    sim.place(np.clip(told, sim.robot.lower, sim.robot.upper))
+        commanded[motor.joint] = motor.ratio * commanded[motor.leader]
+    sim.place(np.clip(commanded, sim.robot.lower, sim.robot.upper))

@@ -41,7 +41,7 @@ class NamedNumbers:
     def resolve(
         self, names: Sequence[str], default: NDArray[np.float64], kind: str
     ) -> NDArray[np.float64]:
-        """The numbers of each name.
+        """The numbers of each name, (len(names), width).
 
         Args:
             names: the names that exist.

@@ -42,13 +42,13 @@ class Restancing:
         Returns:
             (a,) [rad].
         """
-        told = aims - self._change
-        position, rotation = self._relative(told)
+        base = aims - self._change
+        position, rotation = self._relative(base)
         c, s = np.cos(shift[2]), np.sin(shift[2])
         goal = position + rotation @ np.array([shift[0], shift[1], 0.0])
         turned = rotation @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
         for _ in range(_STEPS):
-            position, rotation = self._relative(told + self._change)
+            position, rotation = self._relative(base + self._change)
             rest = np.concatenate((goal - position, _rotation_vector(turned @ rotation.T)))
             self._change = self._change + np.linalg.lstsq(self._jacobian(), rest, rcond=1e-6)[0]
         return self._change.copy()

@@ -119,7 +119,7 @@ class _Bench:
         self._outputs = ChannelOutputs(self._model, shoe, (foot,))
 
     def load(self, mass: float, position: FloatArray) -> FloatArray:
-        """Outputs (n,) at rest with a weight at `position` (2,)."""
+        """Outputs (n,) [N or N m] at rest with a weight [kg] at `position` (2,) [m]."""
         model, data = self._model, self._data
         mujoco.mj_resetData(model, data)
         force = mass * model.opt.gravity

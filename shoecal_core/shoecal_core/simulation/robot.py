@@ -55,7 +55,7 @@ class SimulatedRobot:
         physics: as MuJoCo runs it.
         data: MuJoCo's state.
         run: number of the session's run that was begun last, from 1; 0 before the first.
-        strain: (a,) how far servos aim beside their commands in this period [rad].
+        strain: (a,) what servos aim at in this period less their commands [rad].
     """
 
     def __init__(
@@ -155,13 +155,13 @@ class SimulatedRobot:
             raise ShapeError("joint angles", f"({count},)", joint_angles.shape)
         still = JointTrajectory(self.robot.joint_names, np.zeros(1), joint_angles[None])
         still = still.full(self.robot, joint_angles)
-        told = still.positions[0]
-        self._posing.check(told)
-        self._posing.put(self.data, self._encoders.angles(told))
+        angles = still.positions[0]
+        self._posing.check(angles)
+        self._posing.put(self.data, self._encoders.angles(angles))
         self._before, self._steps = self.session_time, 0
         self._run_begin, self._acting = None, self._always
         self._set_points = SetPoints(still, self._steps, self.drawn.rules.step_s)
-        self.data.act[:] = self._motor_angles(told)
+        self.data.act[:] = self._motor_angles(angles)
         self._standing_height = float(self.data.xpos[self._base, 2])
         self._chain.lift()
         self._friction.release(self.data)
@@ -200,7 +200,7 @@ class SimulatedRobot:
         """Begin a run of the session: what an effect does at a time in a run counts from now.
 
         Args:
-            disturbances: what befalls the robot in this run, beside its effects.
+            disturbances: what befalls the robot in this run, in addition to its effects.
             number: of the run; None for the next.
         """
         self.run = self.run + 1 if number is None else number
@@ -266,7 +266,7 @@ class SimulatedRobot:
         )
 
     def joints(self, at: Snapshot | None = None) -> JointReadings:
-        """What the robot tells of its joints, now or at other instants."""
+        """What the robot reports of its joints, now or at other instants."""
         snap = self.snapshot() if at is None else at
         return self._joints(snap)
 
@@ -276,7 +276,7 @@ class SimulatedRobot:
         return self._converter(snap.felt, snap.session_time)
 
     def imu(self, at: Snapshot | None = None) -> ImuReadings | None:
-        """What the inertial sensor tells, now or at other instants; None where there is none."""
+        """What the inertial sensor measures, now or at other instants; None where there is none."""
         if not self.drawn.rules.imu.present:
             return None
         return self._imu(self.snapshot() if at is None else at)
@@ -308,9 +308,9 @@ class SimulatedRobot:
             self._friction.slip(self.data)
             advance(self._model, self.data)
 
-    def _motor_angles(self, told: FloatArray) -> FloatArray:
+    def _motor_angles(self, shown: FloatArray) -> FloatArray:
         """(a,) what the servos aim at so that their encoders show joint angles (m,)."""
-        angles: FloatArray = self._encoders.angles(told)[self._leaders]
+        angles: FloatArray = self._encoders.angles(shown)[self._leaders]
         return angles
 
     def _posture(self) -> tuple[float, float]:

@@ -85,7 +85,7 @@ def build(robot: Robot, shoe: Shoe, drawn: SampledRobot) -> RobotPhysics:
 
 
 def build_spec(robot: Robot, shoe: Shoe, drawn: SampledRobot) -> mujoco.MjSpec:
-    """The same before compilation, for whoever wants to add to it."""
+    """The same before compilation, so that more can be added."""
     spec = _read_urdf(robot)
     _set_masses(spec, drawn)
     spec.worldbody.first_body().add_freejoint()
@@ -103,7 +103,7 @@ def build_spec(robot: Robot, shoe: Shoe, drawn: SampledRobot) -> mujoco.MjSpec:
 
 
 def _askew(placement: FloatArray) -> pin.SE3:
-    """A sole frame that lies beside where it should: along x, y [m], turned about z [rad]."""
+    """A sole frame that is off where it should be: along x, y [m], turned about z [rad]."""
     dx, dy, dtheta = placement
     return pin.SE3(pin.rpy.rpyToMatrix(0.0, 0.0, dtheta), np.array([dx, dy, 0.0]))
 

@@ -121,7 +121,7 @@ class SampledRobot:
     shoes: SampledShoes
 
     def record(self) -> dict[str, object]:
-        """All numbers by name, for a YAML file beside the truth of a session."""
+        """All numbers by name, for a YAML file next to the truth of a session."""
         body, shoes = self.body, self.shoes
         return {
             "reality": self.rules.name,
@@ -150,7 +150,7 @@ class SampledRobot:
 
 
 def draw(rules: PlantVariation, robot: Robot, shoe: Shoe, seed: int) -> SampledRobot:
-    """Draw one robot in one pair of shoes; the shoes of a seed are the same whoever wears them.
+    """Draw one robot in one pair of shoes; the shoes of a seed are the same on every robot.
 
     Args:
         rules: of the reality.

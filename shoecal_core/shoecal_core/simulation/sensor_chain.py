@@ -68,7 +68,10 @@ class SensorChain:
         return self._late_ones(self._last, self.time)
 
     def at(self, felt: FloatArray, time: float, sideways: FloatArray = NO_SIDEWAYS) -> FloatArray:
-        """(n,) what reaches the converter at an instant that is not taken; arguments as `take`."""
+        """(n,) what reaches the converter at an instant that is not taken [N or N m].
+
+        Arguments as `take`.
+        """
         signal, _ = self._pass(felt, time, sideways)
         return self._late_ones(signal, time)
 

@@ -1,4 +1,4 @@
-"""What the servos are told, period by period."""
+"""What the servos are commanded, period by period."""
 
 from __future__ import annotations
 

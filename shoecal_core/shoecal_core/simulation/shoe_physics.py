@@ -229,7 +229,7 @@ class ChannelOutputs:
             self._stiffness * data.ten_length[self._tendons]
             + self._damping * data.ten_velocity[self._tendons]
         )
-        # MuJoCo tells what the foot does to the plate; channels count what the plate does to it.
+        # MuJoCo gives the foot's force on the plate; channels count the plate's on the foot.
         outputs[self._axes] = -data.sensordata[self._sensors]
         return outputs
 
@@ -286,7 +286,7 @@ def _address(model: mujoco.MjModel, side: str, axis: str) -> int:
 
 
 def _sensor_height(shoe: Shoe, foot: int, otherwise: float) -> float:
-    """Height of a six-axis sensor, as the columns of its sideways forces tell [m]."""
+    """Height of a six-axis sensor, by the columns of its sideways forces [m]."""
     for index in shoe.of_foot(foot):
         if _axis(shoe, index) == "fx":
             return float(shoe.columns[index, 2])

@@ -93,4 +93,4 @@ class Memoryless(Stage[None]):
 
     @abstractmethod
     def passed(self, signal: FloatArray, instant: Instant) -> FloatArray:
-        """The signal (n,) behind this stage; the one before it stays as it is."""
+        """The signal (n,) behind this stage [N or N m]; the one before it stays as it is."""

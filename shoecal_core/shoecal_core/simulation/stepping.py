@@ -22,7 +22,7 @@ def advance(model: mujoco.MjModel, data: mujoco.MjData, count: int = 1) -> None:
     """Advance the physics by some steps.
 
     Raises:
-        SimulationDivergedError: when a state is not finite; the engine alone would start anew from
+        SimulationDivergedError: when a state is not finite; the engine alone would start again from
             the initial state, as if nothing had happened.
     """
     begin = data.time

@@ -21,19 +21,19 @@ class WarmUp:
         ambient: [degC].
         rise: after a long time [K].
         time: time constant [s].
-        told: whether a device tells it.
+        measured: whether a device reports it.
     """
 
     ambient: float
     rise: float
     time: float
-    told: bool
+    measured: bool
 
     def above_ambient(self, time: float) -> float:
         """By how much they are warmer than at the session's first instant [K]."""
         return self.rise * -math.expm1(-max(time, 0.0) / self.time)
 
     def reading(self, time: FloatArray) -> FloatArray:
-        """(...) what the device tells at session times (...) [s]: [degC], else NaN."""
-        told = self.ambient - self.rise * np.expm1(-time / self.time)
-        return told if self.told else np.full(np.shape(time), np.nan)
+        """(...) what the device reports at session times (...) [s]: [degC], else NaN."""
+        temperature = self.ambient - self.rise * np.expm1(-time / self.time)
+        return temperature if self.measured else np.full(np.shape(time), np.nan)

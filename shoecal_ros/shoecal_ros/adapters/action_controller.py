@@ -1,4 +1,4 @@
-"""A controller that is sent trajectories as goals of its action, and tells what becomes of them."""
+"""A controller that takes trajectories as goals of its action, and reports how they end."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class ActionController(Controller):
 
     @property
     def missing(self) -> str:
-        """Nobody offers the action."""
+        """Why the action is not offered; empty where it is."""
         return "" if self._client.server_is_ready() else absent(self._action)
 
     @property
@@ -55,7 +55,7 @@ class ActionController(Controller):
         if any(goal.overdue for goal in self._to_watch):
             return Problem(
                 Code.CONTROLLER_GOES_ON,
-                f"{self._name} was told to stop and goes on; use the robot's emergency stop, or "
+                f"{self._name} was asked to stop and goes on; use the robot's emergency stop, or "
                 "stop the controller",
             )
         return self._refusal
@@ -63,7 +63,7 @@ class ActionController(Controller):
     def send(self, message: JointTrajectoryMsg, duration_s: float) -> None:
         """Send a goal; it ends the one before."""
         del duration_s
-        # It would be cancelled, too; or refused, and what nobody watches go on.
+        # It would be cancelled, too; or refused while an unsupervised goal goes on.
         if self._all_goals.ending or time.monotonic() < self._all_to_end_until_s:
             raise ShoecalError("what was under way before is being stopped; send it again")
         self._all_goals.give_way()

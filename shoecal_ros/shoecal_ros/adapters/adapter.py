@@ -28,22 +28,22 @@ from shoecal_ros.inputs.joints import JointInput
 
 FloatArray = NDArray[np.float64]
 STALE_S = 0.5
-NOT_HEARD = "not armed: nobody has said whether it is"
-TOLD_S = 10.0
-"""For so long it is told that a trajectory was refused."""
+NOT_HEARD = "not armed: no node publishes whether it is"
+REPORTED_S = 10.0
+"""For so long it is reported that a trajectory was refused."""
 
 
 class Adapter(ShoecalNode):
     """Between `joint_trajectory` and a robot's driver.
 
     Nothing is sent before somebody has armed the robot. A robot on its way that is armed no more is
-    stopped by the adapter itself, once; a command to hold, which whoever disarms a moving robot
-    sends just after that, only lets it do so at once: where it says to hold does not count then.
+    stopped by the adapter itself, once; a command to hold, which the node that disarms a moving
+    robot sends just after that, only lets it do so at once: its angles do not count then.
     What an adapter before this one may have sent to a robot that is armed already is stopped, too.
 
     Attributes:
-        robot: whose joints are told.
-        joints: what the robot tells of them.
+        robot: whose joints are commanded.
+        joints: what the robot reports of them.
     """
 
     def __init__(self, name: str) -> None:
@@ -77,7 +77,7 @@ class Adapter(ShoecalNode):
     @property
     @abstractmethod
     def missing(self) -> str:
-        """What of the robot's side nobody offers, and the cure; empty where all is there."""
+        """What is missing on the robot's side, and the cure; empty where all is there."""
 
     @property
     def trouble(self) -> Problem | None:
@@ -85,10 +85,10 @@ class Adapter(ShoecalNode):
         return None
 
     def stop_unwatched(self) -> None:
-        """Stop what the robot does without this adapter; nothing, where it only is told places."""
+        """Stop what the robot does without this adapter; nothing where it takes set points."""
 
     def watch(self) -> None:
-        """Stop what may move no more, and tell how things are."""
+        """Stop what may move no more, and report how things are."""
         armed = self._arming.armed
         # Armed again is not allowed to go on: who disarms and arms at once wants it stopped, too.
         if not armed or self._arming.disarmings != self._disarmings:
@@ -113,7 +113,7 @@ class Adapter(ShoecalNode):
         """What lasts stands before what has happened."""
         refused = (
             Problem(Code.TRAJECTORY_REFUSED, self._refusal)
-            if self.now_s - self._refused_s < TOLD_S
+            if self.now_s - self._refused_s < REPORTED_S
             else None
         )
         errors = [problem for problem in (self.trouble, self.joints.problem, refused) if problem]
@@ -162,7 +162,7 @@ class Adapter(ShoecalNode):
         if latest is None:
             raise ShoecalError(str(self.joints.problem))
         measured: FloatArray = latest.angles[0]
-        # A robot that tells nothing more may still be stopped, and so may one that is not armed.
+        # A robot that reports nothing more may still be stopped, and so may one that is not armed.
         holds = is_hold(trajectory, self.robot, measured)
         if not holds and self.joints.problem:
             raise ShoecalError(str(self.joints.problem))

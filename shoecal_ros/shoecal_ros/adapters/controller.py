@@ -18,7 +18,7 @@ class Controller(ABC):
     @property
     @abstractmethod
     def missing(self) -> str:
-        """What nobody offers, and the cure; empty where somebody does."""
+        """What is not offered, and the cure; empty where it is."""
 
     @property
     def trouble(self) -> Problem | None:
@@ -48,9 +48,9 @@ class Controller(ABC):
     @property
     @abstractmethod
     def busy(self) -> bool:
-        """Whether something that it was told has not come there, or is not done."""
+        """Whether a command has not come there, or is not done."""
 
 
 def absent(name: str) -> str:
-    """Nobody offers a topic or an action of that name."""
-    return f"nobody offers {name}; start the controller, or correct 'controller'"
+    """Message that a topic or an action is not offered."""
+    return f"no node offers {name}; start the controller, or correct 'controller'"

@@ -14,11 +14,11 @@ from rclpy.qos import qos_profile_action_status_default
 from rclpy.task import Future
 
 AGAIN_S = 0.5
-"""Whoever has not been heard to end is asked again after so long."""
+"""A goal that has not been heard to end is cancelled again after so long."""
 PATIENCE_S = 1.0
 """In which a goal that was asked to end should have ended."""
 UNSURE_S = 3.0
-"""What a controller told of its goals comes within so long, or is of later ones."""
+"""The state of a controller's goals comes within so long, or is that of later ones."""
 _ENDED = (GoalStatus.STATUS_SUCCEEDED, GoalStatus.STATUS_CANCELED, GoalStatus.STATUS_ABORTED)
 
 
@@ -52,7 +52,7 @@ class Goal:
         return self.ending and time.monotonic() - self._canceled_s > PATIENCE_S
 
     def end(self) -> None:
-        """The controller told how it ended."""
+        """The controller reported how it ended."""
         self._ended = True
 
     def cancel(self) -> None:
@@ -78,18 +78,18 @@ class Goal:
 
 
 class AllGoals(Goal):
-    """Whatever a controller carries out, whoever sent it: what the controller tells of it counts.
+    """All goals of a controller, by any sender: what the controller reports of them counts.
 
-    They have ended once it has answered, and tells of none that goes on; then others may come, and
-    may be cancelled again. One that never had a goal tells nothing at all; what another one told
-    may come a little later than its answer, and counts all the same.
+    They have ended once it has answered, and reports none that goes on; then others may come, and
+    may be cancelled again. One that never had a goal reports nothing at all; what another one
+    reported may come a little later than its answer, and counts all the same.
     """
 
     def __init__(self, node: Node, client: ActionClient, action: str) -> None:
         """They may go on.
 
         Args:
-            node: that listens to what the controller tells.
+            node: that listens to what the controller reports.
             client: of its action.
             action: its name.
         """
@@ -99,7 +99,7 @@ class AllGoals(Goal):
         self._node, self._topic = node, f"{action}/_action/status"
         self._reported = self._going_on = False
         self._unsure_until_s = -math.inf
-        self._tellers: frozenset[bytes] = frozenset()
+        self._publishers: frozenset[bytes] = frozenset()
         node.create_subscription(
             GoalStatusArray, self._topic, self._hear, qos_profile_action_status_default
         )
@@ -116,14 +116,14 @@ class AllGoals(Goal):
         self._unsure_until_s = -math.inf
 
     def give_way(self) -> None:
-        """Another goal is sent: what the controller tells from now on may be of that."""
+        """Another goal is sent: what the controller reports from now on may be of that."""
         self._unsure_until_s = -math.inf
 
     def watch(self) -> None:
         """Ask where that is due, and see who is there."""
-        if self._reported and not self._tellers:
+        if self._reported and not self._publishers:
             # It was heard before it was known that anybody is there.
-            self._tellers = self._tellers_there()
+            self._publishers = self._publishers_now()
         super().watch()
 
     def judge(self, answer: CancelGoal.Response) -> bool:
@@ -131,20 +131,20 @@ class AllGoals(Goal):
         refused = answer.return_code == CancelGoal.Response.ERROR_REJECTED
         if refused or answer.goals_canceling:
             return False
-        gone = self._tellers and self._tellers.isdisjoint(self._tellers_there())
+        gone = self._publishers and self._publishers.isdisjoint(self._publishers_now())
         if self._reported and not gone:
             return not self._going_on
         self._unsure_until_s = time.monotonic() + UNSURE_S
         return True
 
-    def _tellers_there(self) -> frozenset[bytes]:
+    def _publishers_now(self) -> frozenset[bytes]:
         infos = self._node.get_publishers_info_by_topic(self._topic)
         return frozenset(bytes(info.endpoint_gid) for info in infos)
 
     def _hear(self, reported: GoalStatusArray) -> None:
         self._reported = True
         self._going_on = any(one.status not in _ENDED for one in reported.status_list)
-        self._tellers = self._tellers_there()
+        self._publishers = self._publishers_now()
         if self._going_on and time.monotonic() <= self._unsure_until_s:
             self._ended, self._canceled_s = False, time.monotonic()
         self._unsure_until_s = -math.inf

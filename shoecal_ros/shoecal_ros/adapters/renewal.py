@@ -1,6 +1,6 @@
 """A trajectory in short goals, renewed while the adapter lives.
 
-A controller follows what it was sent to the end, whoever has died meanwhile. So it is never sent
+A controller follows what it was sent to the end, even if the sender has died. So it is never sent
 more than GOAL_S, and again every PERIOD_S: a robot whose adapter is gone comes to rest within
 GOAL_S.
 """

@@ -26,7 +26,7 @@ class Stream:
     within limits, and so does whatever lies between them.
 
     Attributes:
-        names: joints that are told, in the order of set points.
+        names: joints that are commanded, in the order of set points.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -48,7 +48,7 @@ class Stream:
 
         Args:
             trajectory: of some joints; a first point later than at once is moved to from where the
-                joints were last told to be, or are.
+                joints were last commanded to be, or are.
             measured: (m,) joint angles by now [rad].
             now_s: monotonic [s].
 
@@ -56,7 +56,7 @@ class Stream:
             ShoecalError: for joints that the robot does not have, and beyond limits.
         """
         names = trajectory.names
-        # Joints that were told nothing yet are where they are, whoever has moved them meanwhile.
+        # Joints without a command yet are where they are: they may have been moved meanwhile.
         angles, speeds = measured.copy(), np.zeros_like(measured)
         if self.at(now_s) is not None:
             reported, running = self._state(now_s)
@@ -83,7 +83,7 @@ class Stream:
         return self._state(now_s)[0][self._columns]
 
     def under_way(self, now_s: float) -> bool:
-        """Whether joints are still told to move."""
+        """Whether joints are still commanded to move."""
         return self._trajectory is not None and now_s < self._rest_s
 
     def stop(self, now_s: float) -> None:
@@ -100,7 +100,7 @@ class Stream:
         return self._begun_s + max(self._trajectory.duration, STOP_S)
 
     def _state(self, now_s: float) -> tuple[FloatArray, FloatArray]:
-        """(m,) angles [rad] and speeds [rad/s] that all joints are told."""
+        """(m,) angles [rad] and speeds [rad/s] that all joints are commanded."""
         assert self._trajectory is not None
         elapsed, pace = self._clock(now_s)
         run_out, running = self._deceleration.at(elapsed)

@@ -28,10 +28,10 @@ class StreamingAdapter(Adapter):
 
     @abstractmethod
     def send(self, names: Sequence[str], angles: FloatArray) -> None:
-        """Tell the driver set points (k,) of joints [rad]."""
+        """Send the driver set points (k,) of joints [rad]."""
 
     def follow(self, trajectory: JointTrajectory, measured: FloatArray) -> None:
-        """Sample it from now on."""
+        """Sample it from now on; measured (m,) [rad]."""
         self._stream.begin(trajectory, measured, self.now_s)
 
     def stop(self) -> None:
@@ -55,7 +55,7 @@ class StreamingAdapter(Adapter):
 
 
 def unheard(publisher: Publisher, driver: str) -> str:
-    """That nobody listens to what a driver should; empty where somebody does."""
+    """Message that the driver does not subscribe; empty where it does."""
     if publisher.get_subscription_count() > 0:
         return ""
-    return f"nobody listens to {publisher.topic_name}; start {driver}"
+    return f"no node subscribes to {publisher.topic_name}; start {driver}"

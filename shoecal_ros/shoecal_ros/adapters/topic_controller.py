@@ -14,7 +14,7 @@ from shoecal_ros.adapters.controller import FOUND_S, Controller, absent
 from shoecal_ros.common import qos
 
 LATE_S = 1.0
-"""For so long after its time a motion may go on: a topic does not tell when it has ended."""
+"""For so long after its time a motion may go on: a topic does not report when it has ended."""
 
 
 class TopicController(Controller):
@@ -31,7 +31,7 @@ class TopicController(Controller):
         Args:
             node: that speaks to it.
             name: of the controller.
-            held: a command to hold the joints where they are; none where nobody knows that.
+            held: a command to hold the joints where they are; none where that is not known.
         """
         self._publisher = node.create_publisher(
             JointTrajectoryMsg, f"{name}/joint_trajectory", qos.COMMAND
@@ -42,7 +42,7 @@ class TopicController(Controller):
 
     @property
     def missing(self) -> str:
-        """Nobody listens to the topic."""
+        """Why the topic has no subscriber; empty where it has one."""
         heard = self._publisher.get_subscription_count() > 0
         return "" if heard else absent(self._publisher.topic_name)
 
@@ -74,7 +74,7 @@ class TopicController(Controller):
         return not self._publisher.wait_for_all_acked(Duration())
 
     def _hold(self) -> bool:
-        """Whether it could be told."""
+        """Whether it could be sent."""
         command = self._held()
         if command is not None:
             self._publisher.publish(command)

@@ -1,4 +1,4 @@
-"""What a robot may do that nobody watches: the adapter that sent it is gone."""
+"""What a robot may do unsupervised: the adapter that sent it is gone."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ class ActiveCalibration:
         calibration: whole.
         origin: where it was made.
         since_ns: since when [ns].
-        temperature: of the shoes now [degC], NaN where no device tells it.
+        temperature: of the shoes now [degC], NaN where no device reports it.
     """
 
     calibration: Calibration
@@ -69,7 +69,7 @@ class ActiveCalibration:
         code, message = Code.OK, f"'{made.id}' in force ({made.verdict})"
         if made.verdict != "PASS":
             code = Code.CALIBRATION_WARNED
-            message = f"{message}: {tell_reasons(self._reasons)}; correct that and calibrate anew"
+            message = f"{message}: {tell_reasons(self._reasons)}; correct that and calibrate again"
         # NaN, not known, is no gap.
         if abs(self.temperature - made.temperature) > largest_gap:
             code = Code.TEMPERATURE_GAP

@@ -96,14 +96,14 @@ class CalibrationJob:
             await aside(site.recorder.settle)
 
     def report_applying(self) -> None:
-        """Tell that the calibration found is being applied."""
-        self._tell("applying", 1.0, "checking and applying the calibration")
+        """Report that the calibration found is being applied."""
+        self._report("applying", 1.0, "checking and applying the calibration")
 
     # Steps
 
     async def _draw(self, worker: Worker) -> list[PlannedRun]:
         request, site = self.request, self._site
-        self._tell("drawing", 0.0, "drawing double supports")
+        self._report("drawing", 0.0, "drawing double supports")
         supports = await self._job.worked(
             worker.do(solving_work.draw, site.files, site.planning, request.supports, request.seed),
             Calibrate.Result.SUPPORT_FAILED,
@@ -119,7 +119,7 @@ class CalibrationJob:
 
     async def _solve(self, worker: Worker, folder: Path) -> Calibration:
         site = self._site
-        self._tell("solving", 1.0 - SOLVE_SHARE, "finding gains and offsets")
+        self._report("solving", 1.0 - SOLVE_SHARE, "finding gains and offsets")
         return await self._job.worked(
             worker.do(
                 solving_work.solve,
@@ -133,13 +133,13 @@ class CalibrationJob:
             moving=False,
         )
 
-    # Telling
+    # Reporting
 
     def _report_recording(self, stage: str, run: int, share: float, message: str) -> None:
         self.state.support = run
-        self._tell(stage, DRAW_SHARE + (1.0 - DRAW_SHARE - SOLVE_SHARE) * share, message)
+        self._report(stage, DRAW_SHARE + (1.0 - DRAW_SHARE - SOLVE_SHARE) * share, message)
 
-    def _tell(self, stage: str, progress: float, message: str) -> None:
+    def _report(self, stage: str, progress: float, message: str) -> None:
         state = self.state
         state.stage, state.progress, state.message = stage, float(progress), message
         if self._pacing.due(stage):

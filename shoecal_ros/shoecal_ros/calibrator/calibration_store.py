@@ -1,6 +1,6 @@
 """The calibration in force, the one before it, and their files.
 
-A change is one rename: the new file and a copy of the one in force are laid beside the others,
+A change is one rename: the new file and a copy of the one in force are laid next to the others,
 then the new one takes its place, and after that the copy its own as the one before. Killed at any
 moment, what is loaded next is the old pair or the new one, whole; the old one, too, where the disk
 refuses anything up to that rename, or to make it durable.
@@ -100,7 +100,7 @@ class CalibrationStore:
             self.current, self.origin = calibration, origin
             self.since_ns = now_ns if known is None else known.since_ns
             if not accepted:
-                # A folder that cannot be written is told when something is to be kept in it.
+                # A folder that cannot be written is reported when something is to be kept in it.
                 with contextlib.suppress(FileError):
                     self._note({**self._record, digest: self._entry(self.since_ns, origin)})
         return joined(problems)
@@ -136,7 +136,7 @@ class CalibrationStore:
         reasons = tell_reasons(calibration.reasons)
         if calibration.verdict == "FAIL":
             raise NotApplicableError(
-                f"calibration '{calibration.id}' failed its own checks ({reasons}); calibrate anew"
+                f"calibration '{calibration.id}' failed its own checks ({reasons}); calibrate again"
             )
         if force:
             return
@@ -147,12 +147,12 @@ class CalibrationStore:
             if made != present:
                 raise NotApplicableError(
                     f"calibration '{calibration.id}' was made with another {kind} file than the "
-                    f"one in use; calibrate anew, or set it with force"
+                    f"one in use; calibrate again, or set it with force"
                 )
         if calibration.verdict == "WARN" and not warned:
             raise NotApplicableError(
                 f"the checks of calibration '{calibration.id}' warn ({reasons}); follow them and "
-                "calibrate anew, or set it with force"
+                "calibrate again, or set it with force"
             )
 
     def save(self, calibration: Calibration, now_ns: int, origin: Origin | None = None) -> bool:

@@ -36,7 +36,7 @@ class DiagnosisRequest:
     Attributes:
         run_id: names the job, and the folder of a session that it records.
         session: an existing one; None: a new one is recorded.
-        motions: to record; empty: the standard set, beside a session none.
+        motions: to record; empty: the standard set, with a session none.
         run_proposed: also run the motion that the diagnosis proposes, and diagnose again.
         seed: draws the double supports.
     """
@@ -160,7 +160,7 @@ class RunningDiagnosis:
     async def _record(self, worker: Worker, motions: Sequence[str]) -> None:
         """Record motions, into a new session where there is none."""
         request, site = self.request, self._site
-        self._tell("drawing", 0.0, "drawing double supports")
+        self._report("drawing", 0.0, "drawing double supports")
         runs = await self._job.worked(
             worker.do(
                 diagnosis_work.runs_to_record,
@@ -188,7 +188,7 @@ class RunningDiagnosis:
         """Diagnose what there is; only cancelling ends it."""
         assert self.session is not None, "recorded or named"
         site = self._site
-        self._tell("diagnosing", 0.0, "looking for causes of the gap")
+        self._report("diagnosing", 0.0, "looking for causes of the gap")
         self.found = await self._job.worked(
             worker.do(
                 diagnosis_work.diagnose_session,
@@ -201,7 +201,7 @@ class RunningDiagnosis:
         self._progress.next()
         return self.found
 
-    # Telling
+    # Reporting
 
     def _reported(self, verdicts: str, found: WrittenDiagnosis) -> str:
         """The verdicts, and how to go on."""
@@ -212,14 +212,14 @@ class RunningDiagnosis:
 
     def _report_recording(self, stage: str, run: int, share: float, message: str) -> None:
         self.state.run = run
-        self._tell(stage, share, message)
+        self._report(stage, share, message)
 
     def _hear_diagnosis(self, reported: object) -> None:
         doing, share = cast(tuple[str, float], reported)
-        self._tell("diagnosing", share, doing)
+        self._report("diagnosing", share, doing)
 
-    def _tell(self, phase: str, share: float, message: str) -> None:
-        """Tell how far the part at hand is."""
+    def _report(self, phase: str, share: float, message: str) -> None:
+        """Report how far the part at hand is."""
         state = self.state
         state.phase, state.message = phase, message
         state.progress = self._progress.at(share)

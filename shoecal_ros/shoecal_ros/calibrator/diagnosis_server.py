@@ -21,7 +21,7 @@ MOST_MOTIONS = 100
 
 
 class DiagnosisServer:
-    """Takes goals, runs the job, and tells what it found."""
+    """Takes goals, runs the job, and reports what it found."""
 
     title = "a diagnosis"
 

@@ -41,8 +41,8 @@ class WrittenDiagnosis:
         verdict: what it comes to.
         json: the whole of it.
         report: HTML file.
-        proposed: motion that would tell most next; empty: none.
-        separates: what it tells apart.
+        proposed: motion that would separate the causes best; empty: none.
+        separates: what it separates.
     """
 
     verdict: str
@@ -82,9 +82,9 @@ def runs_to_record(
     count = min(len(motions), STANDARD_SUPPORTS)
     places = so_far or draw_supports(robot, shoe, settings, count, seed)
     runs = listed_runs(places, [planned_as(name) for name in motions])
-    hints = _marks(len(motions)) if session is None else [_mark_beside(entries)] * len(motions)
+    hints = _marks(len(motions)) if session is None else [_mark_with(entries)] * len(motions)
     feasible = Feasible(robot, settings)
-    # A run bears the name that it was asked for by: the recording tells what was done by hand.
+    # A run bears the name that it was asked for by: the recording shows what was done by hand.
     return [
         PlannedRun(
             stance(where, feasible, so_far) if (where := proposal(name).stance) else run.support,
@@ -124,7 +124,7 @@ def _marks(count: int) -> list[str]:
     return [TRAIN] * (count - tests) + [TEST] * tests if tests else [""] * count
 
 
-def _mark_beside(entries: Sequence[RunEntry]) -> str:
+def _mark_with(entries: Sequence[RunEntry]) -> str:
     """What a run added to others is meant for: to train, unless unmarked ones do all."""
     return TRAIN if any(entry.hint for entry in entries) else ""
 

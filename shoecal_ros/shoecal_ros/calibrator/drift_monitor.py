@@ -13,7 +13,7 @@ from shoecal_ros.inputs.standstill import UNREST_N, Standstill
 
 
 class DriftMonitor:
-    """Tells the node's `drift`; it looks at the rate of the watch, the live forces do not wait."""
+    """Reports the node's `drift` at the rate of the watch; the live forces do not wait."""
 
     def __init__(
         self, node: CalibratorBase, store: CalibrationStore, rezeroing: RezeroServer
@@ -23,7 +23,7 @@ class DriftMonitor:
         self._watch = DriftWatch(node.node_settings.drift_time)
 
     def watch(self) -> None:
-        """Look, and tell."""
+        """Look, and report."""
         node, current = self._node, self._store.current
         if current is not self._compared:
             self._compared = current

@@ -10,17 +10,17 @@ from shoecal_ros.inputs.joints import JointBatch
 from shoecal_ros.inputs.standstill import Standstill
 
 CONFIRM = 2
-"""So many standstills one after the other must agree, before drift is told or taken back."""
+"""So many standstills one after the other must agree, before drift is reported or taken back."""
 LEAST_READINGS = 10
 
 
 class DriftWatch:
-    """Collects standstills at the rate of the node's watch, and judges what they tell.
+    """Collects standstills at the rate of the node's watch, and judges what they show.
 
     Attributes:
-        found: what the last standstill told, None before there was one.
+        found: what the last standstill showed, None before there was one.
         drifted: whether the calibration in force has drifted.
-        told: the last standstill that showed it so, None before it is known.
+        reported: the last standstill that showed it so, None before it is known.
     """
 
     def __init__(self, duration_s: float) -> None:
@@ -34,7 +34,7 @@ class DriftWatch:
         self.begin()
 
     def begin(self) -> None:
-        """Another calibration is in force: what was told of the one before counts no more."""
+        """Another calibration is in force: what was reported of the one before counts no more."""
         self.found: Drift | None = None
         self.reported: Drift | None = None
         self.drifted = False
@@ -60,7 +60,7 @@ class DriftWatch:
         return whole
 
     def judge(self, found: Drift) -> None:
-        """Take what a standstill told."""
+        """Take what a standstill showed."""
         self.found = found
         self._against = self._against + 1 if found.beyond != self.drifted else 0
         if self._against >= CONFIRM:
@@ -91,7 +91,7 @@ class DriftWatch:
             return Condition(
                 Level.WARN,
                 f"drifted: {reported.reason}; see that nothing touches the robot, then call "
-                "shoe/rezero, or calibrate anew",
+                "shoe/rezero, or calibrate again",
                 values,
                 Code.DRIFTED,
             )

@@ -116,7 +116,7 @@ class ForceSamples:
         self._unfelt = np.diag([moment**2 for one in unfelt for moment in (0.0, one, one)])
         stds = (tolerances.support_m, tolerances.support_m, tolerances.support_rad)
         self._support_variances = np.square(stds)
-        # Joint angles come seldom beside readings.
+        # Joint angles come less often than readings.
         self._states: BodyStates | None = None
         self._between: _Soles | None = None
         columns = calibration.calibrated(shoe).columns

@@ -1,4 +1,4 @@
-"""Stops a robot whose planner is gone: it was sent a whole motion, and nobody else watches it."""
+"""Stops a robot whose planner is gone: it was sent a whole motion, and nothing else watches it."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class HaltContext(Protocol):
 
 
 class Halt:
-    """Sends one command, at the moment at which whoever armed the robot is gone, job or not.
+    """Sends one command, when the node that armed the robot is gone, job or not.
 
     A planner that is there stops the robot itself, gently and knowing where it is to be.
     """
@@ -62,7 +62,7 @@ class Halt:
         self._angles.extend(batch.angles)
 
     def watch(self) -> None:
-        """Hold the robot where whoever armed it has just gone."""
+        """Hold the robot if the node that armed it has just gone."""
         gone = self._arming.lapsed or self._arming.taken_over
         if not self._arming.reported and not gone:
             self._leave()
@@ -79,12 +79,12 @@ class Halt:
 
     def _stop(self, publisher: Publisher) -> None:
         angles = np.median(np.stack(self._angles), axis=0)
-        # Back to where the robot was when it last told so, no faster than it went on meanwhile.
+        # Back to where the robot was when it last reported it, no faster than it went on meanwhile.
         command = hold(self._site.robot, angles, STOP_TIME_S + self._site.joints.age_s)
         publisher.publish(trajectory_to_ros(command))
         self._sent = True
         course = f" in the course of {self._run_id}" if self._run_id else ""
-        self._site.log(Level.ERROR, f"the planner is gone{course}: told the robot to stop")
+        self._site.log(Level.ERROR, f"the planner is gone{course}: commanded the robot to stop")
 
     def _leave(self) -> None:
         """Leave commands to the planner alone."""

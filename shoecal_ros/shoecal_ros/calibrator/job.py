@@ -98,7 +98,7 @@ class Job:
 
         Args:
             site: its node.
-            canceled: whether it is asked to end; None where nobody can ask for that: then
+            canceled: whether it is asked to end; None where that cannot be asked for: then
                 disarming ends it also while nothing moves.
         """
         self.site = site
@@ -118,7 +118,7 @@ class Job:
 
     @property
     def _armed(self) -> bool:
-        """Armed, and never disarmed since the job began: arming anew is not meant for it."""
+        """Armed, and never disarmed since the job began: arming again is not meant for it."""
         return self.site.armed and not self._disarmed
 
     @property
@@ -192,7 +192,7 @@ class Job:
             work: under way.
             code: of its failure.
             moving: whether the robot is to move; else only who may stop the job ends it.
-            progress: takes what the work tells meanwhile.
+            progress: takes what the work reports meanwhile.
         """
 
         def over() -> bool:

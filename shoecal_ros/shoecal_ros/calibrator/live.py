@@ -27,7 +27,7 @@ class Live:
     Attributes:
         stamp_ns: time of sampling [ns].
         feet: left, right; without a CoP where a foot carries no load.
-        told: of which feet there is something new.
+        reported: of which feet there is something new.
         frame: foot in whose sole frame `wrench` and `cop` are.
         wrench: F [N], Mx, My [N m] of both feet; None where it is not known.
         cop: of both feet [m]; None where no foot carries load, or it is not known.
@@ -66,7 +66,7 @@ class OutputFilter:
         self._stamp_ns = 0
 
     def __call__(self, stamp_ns: int, readings: FloatArray) -> FloatArray:
-        """Filtered readings (n,); what was not known or is not known starts anew."""
+        """Filtered readings (n,); what was not known or is not known starts again."""
         if not self.delay_s:
             return readings
         before, elapsed_s = self._state, (stamp_ns - self._stamp_ns) / 1e9
@@ -90,7 +90,7 @@ class LiveSensing:
 
         Args:
             of_foot: indices of each foot's channels.
-            switch: tells loaded feet.
+            switch: gives the loaded feet.
             low_pass: of the readings.
         """
         self._sensing: Sensing | None = None
@@ -116,7 +116,7 @@ class LiveSensing:
 
         Args:
             joined: readings.
-            support: where the right foot stands, None where nobody knows.
+            support: where the right foot stands, None where that is unknown.
         """
         if not joined:
             return []
@@ -205,7 +205,7 @@ def _together(
 ) -> Wrench | None:
     """Wrench of both feet in the sole frame of the left one while it carries load.
 
-    None without joint angles, on one foot, too: a robot that may step any moment is not told so.
+    None without joint angles, on one foot, too: such a robot may step at any moment.
     """
     left, right = feet
     if turn is None or math.isnan(left.force) or math.isnan(right.force):

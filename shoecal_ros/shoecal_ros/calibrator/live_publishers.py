@@ -25,7 +25,7 @@ FloatArray = NDArray[np.float64]
 
 
 class LivePublishers:
-    """Publishes forces, places and the state; what nobody listens to costs nothing."""
+    """Publishes forces, places and the state; what has no subscriber costs nothing."""
 
     def __init__(self, node: Node, shoe: Shoe, soles: tuple[str, str]) -> None:
         """Publishers of a node, in the frames of the soles."""
@@ -122,7 +122,7 @@ class LivePublishers:
 
     def _foot_grf(self, foot: int, live: Live) -> Any:
         wrench = wrench_of(live.feet[foot])
-        # A force that is not known is nothing for a controller, nor is one it has been told.
+        # A force that is not known is nothing for a controller, nor is one that it has got.
         if math.isnan(wrench[0]) or not live.reported[foot]:
             return None
         return wrench_to_ros(live.stamp_ns, self._soles[foot], wrench)

@@ -1,4 +1,4 @@
-"""Which feet carry load, told so that it does not flutter, and whose frame the CoP is in."""
+"""Which feet carry load, with hysteresis against flutter, and whose frame the CoP is in."""
 
 from __future__ import annotations
 

@@ -48,7 +48,7 @@ BEYOND_MENU: Mapping[str, Proposal] = {
         for name, hand in BY_HAND.items()
     },
 }
-"""What a diagnosis may propose beside the motions of the catalogue."""
+"""What a diagnosis may propose in addition to the motions of the catalogue."""
 
 
 def proposal(name: str) -> Proposal:

@@ -22,7 +22,7 @@ from shoecal_ros.inputs.standstill import UNREST_N, Standstill
 Codes = Rezero.Response
 STILL_PATIENCE = 15.0
 """How many times the time of standing still is waited for it, by the wall clock."""
-CURE = "lift each foot once and call shoe/rezero again, or calibrate anew"
+CURE = "lift each foot once and call shoe/rezero again, or calibrate again"
 
 
 class RezeroServer:
@@ -149,7 +149,7 @@ class RezeroServer:
             response.grf_before, response.grf_after = before.grf_error, after.grf_error
             response.cop_before, response.cop_after = before.cop_error, after.cop_error
         response.grf_left = response.cop_left = float("nan")
-        left = "how much is left, a calibration without covariance cannot tell"
+        left = "how much is left is unknown: the calibration has no covariance"
         if expected is not None:
             response.grf_left, response.cop_left = expected.grf.rms, expected.cop.rms
             left = (

@@ -24,8 +24,8 @@ REACH_ACTION, PLAN_ACTION = "robot/reach_support", "shoe/plan"
 REACH_SHARE, PLAN_SHARE = 0.1, 0.3
 """Of one run's progress."""
 
-Told = Callable[[str, int, float, str], None]
-"""Hears the stage (reaching, planning, moving), the run from 1 on, how much of all runs is done
+SeriesProgress = Callable[[str, int, float, str], None]
+"""Takes the stage (reaching, planning, moving), the run from 1 on, how much of all runs is done
 (0 to 1), and a line for a person."""
 
 
@@ -55,11 +55,11 @@ async def make_session(site: JobContext, name: str, seed: int) -> Session:
 class RunSeries:
     """Records runs into a session; what was recorded stays whatever ends the job."""
 
-    def __init__(self, job: Job, session: Session, reported: Told) -> None:
+    def __init__(self, job: Job, session: Session, reported: SeriesProgress) -> None:
         self._job = job
         self._site = job.site
         self._session = session
-        self._tell_all = reported
+        self._report_all = reported
         self._index = self._count = 0
 
     async def record(self, runs: Sequence[PlannedRun]) -> None:
@@ -76,12 +76,12 @@ class RunSeries:
 
     async def _reach(self, support: DoubleSupport) -> None:
         place = str(support)
-        self._tell("reaching", 0.0, place)
+        self._report("reaching", 0.0, place)
         reached = await self._job.done(
             self._site.reach_client,
             REACH_ACTION,
             ReachSupport.Goal(support=support_to_ros(support), run_id=self._site.run_id),
-            lambda reported: self._tell("reaching", REACH_SHARE * reported.progress, place),
+            lambda reported: self._report("reaching", REACH_SHARE * reported.progress, place),
             self._site.job_settings.reach_timeout_s,
             Codes.SUPPORT_FAILED,
         )
@@ -123,15 +123,15 @@ class RunSeries:
     def _hear_motion(self, run: PlannedRun, reported: Plan.Feedback) -> None:
         recorder, place = self._site.recorder, f"{run.motion}, landmark {reported.landmark}"
         if reported.phase != "moving":
-            self._tell("planning", REACH_SHARE + PLAN_SHARE * reported.progress, place)
+            self._report("planning", REACH_SHARE + PLAN_SHARE * reported.progress, place)
             return
         if not recorder.recording and not recorder.problem:
             recorder.start(partial(self._session.new_run, run.motion, run.support, hint=run.hint))
         share = REACH_SHARE + PLAN_SHARE + (1.0 - REACH_SHARE - PLAN_SHARE) * reported.progress
-        self._tell("moving", share, place)
+        self._report("moving", share, place)
 
-    def _tell(self, stage: str, of_run: float, message: str) -> None:
-        self._tell_all(stage, self._index, (self._index - 1 + of_run) / self._count, message)
+    def _report(self, stage: str, of_run: float, message: str) -> None:
+        self._report_all(stage, self._index, (self._index - 1 + of_run) / self._count, message)
 
 
 def _require(result: Any, code: int, what: str) -> None:

@@ -63,9 +63,9 @@ class RunThread:
             if self._whole and not self.problem:
                 writer.close()
             else:
-                with contextlib.suppress(ShoecalError):  # why it ends is told by who ends it
+                with contextlib.suppress(ShoecalError):  # the cause is reported by who ends it
                     writer.abandon()
-        except Exception as error:  # noqa: BLE001 (nobody else hears of it)
+        except Exception as error:  # noqa: BLE001 (it is reported nowhere else)
             self.problem = worded(error)
 
     def _write(self, writer: RunWriter, topic: str, message: bytes, stamp_ns: int) -> None:

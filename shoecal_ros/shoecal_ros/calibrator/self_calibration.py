@@ -148,7 +148,7 @@ class SelfCalibrationServer:
         self._node.start(partial(self._do_alone, job))
         response.accepted, response.run_id = True, job.request.run_id
         response.message = (
-            "started; diagnostics tell how far it is; disarm (shoe/arm false) to stop"
+            "started; diagnostics show how far it is; disarm (shoe/arm false) to stop"
         )
         return response
 

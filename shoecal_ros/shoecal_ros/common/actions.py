@@ -17,7 +17,7 @@ from shoecal_ros.common.node import ShoecalNode
 from shoecal_ros.common.waiting import until
 
 ANSWER_S = 10.0
-"""Wall-clock time in which a server must answer a request, or end what it was told to stop."""
+"""Wall-clock time in which a server must answer a request, or end what it was asked to stop."""
 
 
 FEEDBACK_S = 0.2
@@ -33,13 +33,13 @@ class NotSentError(ShoecalError):
 
 
 class Pacing:
-    """Keeps feedback lean: another stage is told at once, the same one again after a while."""
+    """Keeps feedback lean: another stage is sent at once, the same one again after a while."""
 
     def __init__(self) -> None:
         self._reported = ("", -math.inf)
 
     def due(self, stage: str) -> bool:
-        """Whether to tell now; counts as told then."""
+        """Whether to send now; counts as sent then."""
         reported, at = self._reported
         now = time.monotonic()
         if stage == reported and now - at < FEEDBACK_S:
@@ -55,23 +55,23 @@ def logged(
 
     Args:
         node: whose log.
-        feedback: what hears all of it.
+        feedback: takes all of it.
         step: of one feedback.
     """
     last: tuple[object, ...] = ()
 
-    def tell(reported: Any) -> None:
+    def report(reported: Any) -> None:
         nonlocal last
         if (now := step(reported)) != last:
             last = now
             node.log(Level.OK, f"{' '.join(map(str, now))}: {reported.message}")
         feedback(reported)
 
-    return tell
+    return report
 
 
 def finish(goal: ServerGoalHandle, result: Any, *, canceled: int) -> None:
-    """Bring a goal into the state that its result tells.
+    """Bring a goal into the state that its result says.
 
     Args:
         goal: that has been worked on.
@@ -101,8 +101,8 @@ async def do_action(
         client: of the action.
         name: of the action, for messages.
         goal: to send.
-        feedback: takes what the server tells meanwhile.
-        stop: whether to cancel the goal; the result then tells how it ended.
+        feedback: takes what the server reports meanwhile.
+        stop: whether to cancel the goal; the result then says how it ended.
         timeout_s: longest wall-clock time.
 
     Raises:
@@ -113,10 +113,10 @@ async def do_action(
     if stop():
         raise NotSentError(f"the action {name} was stopped before it began")
     if not ready:
-        raise ActionError(f"nobody offers the action {name}; start the node that does")
+        raise ActionError(f"no node offers the action {name}; start the node that does")
     sent = client.send_goal_async(goal, lambda message: feedback(message.feedback))
     if not await until(sent.done, ANSWER_S):
-        # Accepted after all, nobody would ever end it.
+        # Accepted after all, it would never be ended.
         sent.add_done_callback(_cancel_late)
         raise ActionError(f"the action {name} does not answer; restart the node that offers it")
     handle = sent.result()

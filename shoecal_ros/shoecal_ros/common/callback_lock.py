@@ -1,4 +1,4 @@
-"""Whose turn it is among the threads of a node: nobody goes twice before the others."""
+"""Whose turn it is among the threads of a node: none goes twice before the others."""
 
 from __future__ import annotations
 

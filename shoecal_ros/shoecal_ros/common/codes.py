@@ -11,10 +11,10 @@ from shoecal_core.errors import ShoecalError, error_code
 
 
 class Code(StrEnum):
-    """Stand beside the messages of diagnostics, one for each thing that may be wrong.
+    """Go with the messages of diagnostics, one for each thing that may be wrong.
 
-    Where an error is told, its `error_code` stands there instead. What they mean and the cures are
-    in docs/reference/diagnostics.md.
+    Where an error is reported, its `error_code` is used instead. Meanings and cures are in
+    docs/reference/diagnostics.md.
     """
 
     OK = "ok"
@@ -103,7 +103,7 @@ class Problem:
 
     @classmethod
     def of(cls, error: ShoecalError) -> Problem:
-        """What an error tells."""
+        """What an error says."""
         return cls(error_code(type(error)), str(error))
 
 

@@ -49,8 +49,8 @@ class JointSample:
     Attributes:
         stamp_ns: time of sampling [ns].
         names: k joints.
-        position: (k,) [rad]; NaN where a joint tells none.
-        effort: (k,) [N m], None where the robot tells none.
+        position: (k,) [rad]; NaN where a joint reports none.
+        effort: (k,) [N m], None where the robot reports none.
     """
 
     stamp_ns: int

@@ -6,7 +6,7 @@ import signal
 
 
 class EndAsked:
-    """Whether Ctrl-C was pressed or the process told to end; at the second time it does at once.
+    """Whether Ctrl-C was pressed or the process asked to end; at the second time it does at once.
 
     Attributes:
         to_end: whether it shall.

@@ -1,4 +1,4 @@
-"""Who else is on a node's topics, and whether that fits: what does not is told by name."""
+"""Who else is on a node's topics, and whether that fits: what does not is reported by name."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class GraphMonitor:
     """Looks at one topic at a time: at a high rate that would hold messages up.
 
     Attributes:
-        alone: resolved names of topics on which nobody else may publish.
+        alone: resolved names of topics on which no other node may publish.
     """
 
     def __init__(self, node: Node) -> None:
@@ -45,7 +45,7 @@ class GraphMonitor:
         if reported is not None:
             level = Level.ERROR if found else Level.WARN
             return Condition(level, reported.message, code=reported.code)
-        return Condition(Level.OK, "nobody on this node's topics stands in its way")
+        return Condition(Level.OK, "no conflict on this node's topics")
 
     def watch(self) -> None:
         """Look at the next topic."""
@@ -64,7 +64,7 @@ class GraphMonitor:
             self._doubtful[key] = doubtful
 
     def expect_one_sender(self, topic: str) -> Callable[[], list[str]]:
-        """Tell where several nodes publish what this one hears; gives who does, by full names.
+        """Report where several nodes publish what this one hears; gives their full names.
 
         Args:
             topic: relative name.
@@ -107,7 +107,7 @@ class GraphMonitor:
             return None
         return Problem(
             Code.SEVERAL_SENDERS,
-            f"{' and '.join(names)} publish {end.topic_name}; where they tell the same joints, "
+            f"{' and '.join(names)} publish {end.topic_name}; where they send the same joints, "
             "stop all but one",
         )
 
@@ -151,7 +151,7 @@ def _misfit(
 
 
 def node_name(info: TopicEndpointInfo) -> str:
-    """Of a node; whoever starts has none yet, and a program that is no ROS node never has."""
+    """Of a node; one that starts has none yet, and a program that is no ROS node never has."""
     if info.node_name == _NO_NAME:
         return "somebody without a node's name"
     return f"{info.node_namespace.rstrip('/')}/{info.node_name}"

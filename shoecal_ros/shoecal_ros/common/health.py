@@ -1,4 +1,4 @@
-"""How a node fares: one line a subject, told when it changes and repeated at a slow rate."""
+"""How a node fares: one line a subject, published when it changes and repeated at a slow rate."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from shoecal_core.errors import one_line
 from shoecal_ros.common.codes import Code, Problem
 
 AGAIN_S = 5.0
-"""A problem that stays the same but for its words is told anew after so long, not before."""
+"""A problem that stays the same but for its words is reported again after so long, not before."""
 
 
 class Level(IntEnum):
@@ -52,7 +52,7 @@ class Condition:
 
         Args:
             problem: what is wrong.
-            well: told where nothing is.
+            well: shown where nothing is.
             values: figures for a person.
         """
         if problem is None:
@@ -74,11 +74,11 @@ class Health:
         self._errors: dict[str, tuple[float, Condition]] = {}
         self._conditions: dict[str, Condition] = {}
         self._fresh: dict[str, Condition] = {}
-        self._told: dict[str, tuple[float, Condition]] = {}
+        self._reported: dict[str, tuple[float, Condition]] = {}
 
     @property
     def conditions(self) -> Mapping[str, Condition]:
-        """By subject, in the order they were first told."""
+        """By subject, in the order they were first reported."""
         return self._conditions
 
     def values(self, subject: str) -> dict[str, str]:
@@ -102,7 +102,7 @@ class Health:
         self.note(subject, Condition(level, message, reported, code))
 
     def suppose(self, subject: str, condition: Condition) -> None:
-        """How a subject fares unless something else is told: that is no news."""
+        """How a subject fares unless something else is reported: that is no news."""
         self._conditions[subject] = _clean(condition)
 
     def note(self, subject: str, condition: Condition) -> None:
@@ -121,14 +121,14 @@ class Health:
         due = {name: one for name, one in self._fresh.items() if self._due(name, one, now)}
         for subject, condition in due.items():
             del self._fresh[subject]
-            self._told[subject] = now, condition
+            self._reported[subject] = now, condition
         return due
 
     def _due(self, subject: str, condition: Condition, now: float) -> bool:
-        if condition.level is Level.OK or subject not in self._told:
+        if condition.level is Level.OK or subject not in self._reported:
             return True
-        at, told = self._told[subject]
-        return now - at >= AGAIN_S or _kind(condition) != _kind(told)
+        at, last = self._reported[subject]
+        return now - at >= AGAIN_S or _kind(condition) != _kind(last)
 
 
 def _clean(condition: Condition) -> Condition:

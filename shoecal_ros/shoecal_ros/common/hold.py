@@ -9,7 +9,7 @@ from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.robot.robot import Robot
 
 STOP_TIME_S = 0.5
-"""In which a robot comes to rest that nobody plans for."""
+"""In which a robot comes to rest without a plan."""
 HOLD_WAY = 0.2
 """rad; a command of one point that leads no joint farther stops the robot."""
 LONGEST_S = 5.0

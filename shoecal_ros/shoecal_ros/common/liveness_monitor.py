@@ -14,7 +14,7 @@ ADAPTERS = ("nao_lola_adapter", "naoqi_adapter", "controller_adapter")
 SUITE = frozenset({"shoe_driver", "model", "planner", "calibrator", "simulator", *ADAPTERS})
 """Who is missed; not `voltage_stream`, which goes with the program that reads it."""
 SILENT_S = 3.5
-"""Every node tells once a second how it fares."""
+"""Every node reports once a second how it fares."""
 ENDED = "ended"
 
 
@@ -22,7 +22,7 @@ class LivenessMonitor:
     """Hears diagnostics of the other nodes."""
 
     def __init__(self, own: str, clock: Callable[[], float] = time.monotonic) -> None:
-        """Nobody has been heard.
+        """No node has been heard.
 
         Args:
             own: name of the node that listens.
@@ -33,7 +33,7 @@ class LivenessMonitor:
         self._heard: dict[str, float] = {}
 
     def take(self, messages: Sequence[DiagnosticArray]) -> None:
-        """Take diagnostics, whoever sends them."""
+        """Take diagnostics of any node."""
         now = self._clock()
         for message in messages:
             for status in message.status:
@@ -51,8 +51,8 @@ class LivenessMonitor:
         if silent:
             return Condition(
                 Level.ERROR,
-                f"{', '.join(sorted(silent))} told nothing for {SILENT_S:g} s, killed or hanging: "
-                "start it again",
+                f"{', '.join(sorted(silent))} sent no diagnostics for {SILENT_S:g} s, killed or "
+                "hanging: start it again",
                 code=Code.NODE_SILENT,
             )
         return Condition(Level.OK, "no node has fallen silent", {"heard": ", ".join(self._heard)})

@@ -24,7 +24,7 @@ _STEP_S = 0.002
 def log_pipe() -> Iterator[int]:
     """Within it, whatever is written to stderr waits in a pipe for who reads it.
 
-    ROS writes log lines while it holds Python's lock: where nobody reads them (a paused terminal,
+    ROS writes log lines while it holds Python's lock: where they are not read (a paused terminal,
     a full pipe) or a disk is slow, no thread of the node would go on. Here they wait, and what the
     pipe cannot hold is lost. At the end what waits is written still, if somebody reads it.
 
@@ -40,7 +40,7 @@ def log_pipe() -> Iterator[int]:
     os.set_blocking(into, False)
     os.dup2(into, 2)
     os.close(into)
-    # Of a crash nobody would copy what stands in the pipe.
+    # After a crash nothing would copy what stands in the pipe.
     faulthandler.enable(shown)
     copier = _Copier(held, shown)
     copier.start()
@@ -75,7 +75,7 @@ class _Copier(threading.Thread):
                 self._writing = False
 
     def await_last(self, at_most_s: float) -> None:
-        """Until nothing waits, or nobody reads it."""
+        """Until nothing waits, or it is not read."""
         end = time.monotonic() + at_most_s
         while self.is_alive() and (self._writing or self._waits) and time.monotonic() < end:
             time.sleep(_STEP_S)

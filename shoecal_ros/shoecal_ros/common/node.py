@@ -62,11 +62,11 @@ class ShoecalNode(Node):
     into a process of its own (`worker.Worker`).
 
     Attributes:
-        health: told once a second and at every change.
+        health: published once a second and at every change.
         peers: who else is on the node's topics.
         turn: held by whichever thread runs a callback.
         quick: subscriptions that do not wait for the rest of the node.
-        mirror: prefix of parameters that the node changes itself, and lets nobody else change;
+        mirror: prefix of parameters that only the node itself may change;
             empty: it has none.
     """
 
@@ -97,7 +97,7 @@ class ShoecalNode(Node):
         self._log_news()
 
     def close(self) -> None:
-        """Leave the robot safe and give back what is held beside ROS entities; those still work."""
+        """Leave the robot safe and release what is held; ROS entities still work."""
 
     # Parameters
 
@@ -128,7 +128,7 @@ class ShoecalNode(Node):
         """Every parameter file reaches this node, and every parameter in it is one of its own.
 
         ROS itself passes over the others in silence: a limit that is misspelt would not be in
-        force, and nobody would know. Only those for all nodes (`/**`) may be another node's; they
+        force, unnoticed. Only those for all nodes (`/**`) may be another node's; they
         are logged.
 
         Args:
@@ -141,7 +141,7 @@ class ShoecalNode(Node):
         full_name = self.get_fully_qualified_name()
         files.check(full_name, self._own_name)
         shared = files.shared(full_name)
-        # No public attribute tells what was given to the node.
+        # No public attribute shows what was given to the node.
         given = [name for name in self._parameter_overrides if not name.startswith(_BY_ROS)]
         for name in given:
             if self.has_parameter(name):
@@ -171,8 +171,8 @@ class ShoecalNode(Node):
     def create_publisher(self, *args: Any, **kwargs: Any) -> Publisher:
         """As rclpy's, with no events of its own.
 
-        Each is looked at whenever the node wakes up, which took longer than all it then does; who
-        does not fit is told by `peers`.
+        Each is looked at whenever the node wakes up, which took longer than all it then does; what
+        does not fit is reported by `peers`.
         """
         kwargs.setdefault("event_callbacks", PublisherEventCallbacks(use_default_callbacks=False))
         return super().create_publisher(*args, **kwargs)
@@ -274,7 +274,7 @@ class ShoecalNode(Node):
             self.executor.wake()
 
     def start(self, job: Callable[[], Any]) -> None:
-        """Run a coroutine function beside everything else."""
+        """Run a coroutine function concurrently."""
         assert self.executor is not None, "nodes start jobs when they spin"
         self.executor.create_task(job)
 
@@ -304,11 +304,11 @@ class ShoecalNode(Node):
 
     @contextmanager
     def working(self, what: str, run_id: str) -> Iterator[None]:
-        """Tell in the log that something is being done, and how it ends; one thing at a time.
+        """Log that something is being done, and how it ends; one thing at a time.
 
         Args:
             what: is being done.
-            run_id: of the job that it belongs to, as whoever asks for it says; empty: none.
+            run_id: of the job that it belongs to, as given in the request; empty: none.
         """
         self._run_id = short_name(run_id)
         try:

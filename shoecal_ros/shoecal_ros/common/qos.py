@@ -33,7 +33,7 @@ losing messages, as a simulation may. One that keeps the last few hears those.
 DEVICE = QoSProfile(depth=10_000, reliability=ReliabilityPolicy.RELIABLE)
 """Raw measurements as they happen.
 
-A subscriber that is slow, or was killed, holds up nobody else: a controller may stand on what
+A subscriber that is slow, or was killed, holds up no other: a controller may stand on what
 comes next. It finds at least the last ten seconds of a 1000 Hz device when it goes on.
 """
 

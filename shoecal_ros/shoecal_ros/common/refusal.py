@@ -34,7 +34,7 @@ def faults_refused(
         foreseen: what is passed on as it is.
 
     Raises:
-        RefusedError: with the code, for everything that nobody foresaw.
+        RefusedError: with the code, for everything unforeseen.
     """
     try:
         yield
@@ -47,7 +47,7 @@ def faults_refused(
 
 
 def worded(error: BaseException) -> str:
-    """An error for a person; one that is nobody's on purpose with its kind."""
+    """An error for a person; an unforeseen one with its kind."""
     reported = str(error)
     if isinstance(error, ShoecalError):
         return reported

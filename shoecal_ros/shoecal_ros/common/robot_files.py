@@ -19,7 +19,7 @@ class RobotFiles(Settings):
 
     robot_file: str = setting("", "", "robot file; empty: robots/nao.yaml of the configuration")
     shoe_file: str = setting(
-        "", "", "shoe file; empty: ROBOT_shoe.yaml in ../shoes or beside ROBOT.yaml"
+        "", "", "shoe file; empty: ROBOT_shoe.yaml in ../shoes or next to ROBOT.yaml"
     )
 
     @cached_property

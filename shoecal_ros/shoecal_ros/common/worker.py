@@ -29,25 +29,25 @@ NICE = 5
 """How far a child stands back behind the nodes; a planner still has to plan on a busy computer,
 where the lowest priority (19) leaves it 1 % of a core."""
 END_S = 5.0
-"""How long a child may take to end once it is told to."""
+"""How long a child may take to end once it is asked to."""
 
 _PROGRESS, _RESULT, _ERROR = "progress", "result", "error"
 _CHILD = "from shoecal_ros.common import worker; worker.main()"
 
 
 class WorkerError(ShoecalError):
-    """Work that failed in a way nobody foresaw."""
+    """Work that failed in an unforeseen way."""
 
 
 class Link:
-    """The child's side: tells how far it is, and hears whether it shall stop."""
+    """The child's side: reports how far it is, and hears whether it shall stop."""
 
     def __init__(self, connection: Connection) -> None:
         self._connection = connection
         self._canceled = False
 
     def progress(self, value: object) -> None:
-        """Tell how far the work is."""
+        """Report how far the work is."""
         self._connection.send((_PROGRESS, value))
 
     def canceled(self) -> bool:
@@ -65,7 +65,7 @@ class Work(Generic[R]):
     """Something a worker does.
 
     Attributes:
-        progress: what it told last, None before it did.
+        progress: what it reported last, None before it did.
     """
 
     def __init__(self) -> None:
@@ -160,7 +160,7 @@ class Worker:
     def cancel(self) -> None:
         """Ask the work at hand to stop; it ends when it next looks."""
         if self.busy:
-            # Where it has died the listener tells.
+            # Where it has died the listener reports it.
             with contextlib.suppress(OSError):
                 self._connection.send(None)
 

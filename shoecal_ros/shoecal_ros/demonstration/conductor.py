@@ -92,7 +92,7 @@ class Conductor:
     def arm(self) -> None:
         """Allow the robot to move."""
         client = self._node.create_client(SetBool, "shoe/arm")
-        self._until(client.service_is_ready, ANSWER_S, lambda: "nobody offers shoe/arm")
+        self._until(client.service_is_ready, ANSWER_S, lambda: "no node offers shoe/arm")
         answer = client.call_async(SetBool.Request(data=True))
         self._until(answer.done, ANSWER_S, lambda: "shoe/arm does not answer")
 
@@ -105,7 +105,7 @@ class Conductor:
             DemoError: when it fails, with its message.
         """
         client = ActionClient(self._node, Calibrate, "shoe/calibrate")
-        self._until(client.server_is_ready, ANSWER_S, lambda: "nobody offers shoe/calibrate")
+        self._until(client.server_is_ready, ANSWER_S, lambda: "no node offers shoe/calibrate")
         heard = time.monotonic()
 
         def receive(message: Any) -> None:

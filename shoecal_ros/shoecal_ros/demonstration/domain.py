@@ -1,4 +1,4 @@
-"""A ROS domain that nobody else on this machine uses, so that no other robot hears a demo."""
+"""A ROS domain that is not in use on this machine, so that no other robot hears a demo."""
 
 from __future__ import annotations
 

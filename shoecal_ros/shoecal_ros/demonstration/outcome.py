@@ -26,7 +26,7 @@ from shoecal_ros.demonstration.options import Folder, Options
 
 @dataclass(frozen=True)
 class DemonstrationOutcome:
-    """Everything to be told.
+    """Everything to be shown.
 
     Attributes:
         session: recorded.
@@ -46,7 +46,7 @@ class DemonstrationOutcome:
 
 
 def split_truth(folder: Folder, session: Session) -> None:
-    """Write each run's part of the truth beside the session's runs."""
+    """Write each run's part of the truth next to the session's runs."""
     truth = read_truth(folder.truth)
     stamps = truth.start_ns + (1e9 * truth.time).round().astype(int)
     for entry in session.runs:

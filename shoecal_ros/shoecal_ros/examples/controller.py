@@ -27,7 +27,7 @@ MOST_STD_M = 0.01
 
 
 class ExampleController(Node):
-    """Reads forces, tells the error of the CoP."""
+    """Reads forces, logs the error of the CoP."""
 
     def __init__(self) -> None:
         super().__init__("example_controller")
@@ -43,7 +43,7 @@ class ExampleController(Node):
         stamp = rclpy.time.Time.from_msg(forces.header.stamp)
         age_s = (self.get_clock().now() - stamp).nanoseconds / 1e9
         both = forces.both
-        # Not valid: a cell is broken, a foot stale, or nobody has calibrated.
+        # Not valid: a cell is broken, a foot stale, or there is no calibration.
         # No CoP: no foot is loaded. Extrapolating: beyond what the CoP correction was trained on.
         if not both.valid or not both.has_cop or both.extrapolating or age_s > OLDEST_S:
             return

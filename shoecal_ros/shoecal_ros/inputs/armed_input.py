@@ -1,4 +1,4 @@
-"""Whether the robot may be moved, as whoever arms it tells the other nodes."""
+"""Whether the robot may be moved, as published by the node that arms it."""
 
 from __future__ import annotations
 

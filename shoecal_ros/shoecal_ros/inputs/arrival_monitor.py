@@ -1,4 +1,4 @@
-"""Since when an input has told nothing."""
+"""Since when an input has sent nothing."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from collections.abc import Callable
 from statistics import median
 
 SILENT_S = 0.08
-"""Without news for so long an input may be silent: told within 0.1 s, what it takes included."""
+"""Without news for so long an input may be silent: reported within 0.1 s, all included."""
 SILENT_PERIODS = 2.6
-"""Where it comes more seldom, without news for so many of its periods: told within three."""
+"""Where it comes more seldom, without news for so many of its periods: reported within three."""
 LOOK_S = 0.01
 """From one look to the next where patience is longer: it ends early once news come faster."""
 _INTERVALS = 9
 RATE_S = 2.0
-"""Rates are told over so long a time."""
+"""Rates are given over so long a time."""
 
 
 class ArrivalMonitor:

@@ -1,12 +1,12 @@
-"""Tells broken cells from their readings alone, while they come.
+"""Detects broken cells from their readings alone, while they come.
 
 A cell gives nothing, stands at an end of its converter's range, gives one value all the time
 although the others' change, or although its own noise never let it rest before (`own_noise.py`: a
 whole board may hang), or leaps all by itself: what happens to a foot is felt by more than one of
-its cells. Readings of such cells are marked as the
-device marks them, so that no force is made of them. What looks like a cell in order cannot be told
-here: two cells that are swapped, one that follows late, or one that is jammed but still noisy. A
-calibration and the watch for drift tell those, by weight and CoM.
+its cells. Readings of such cells are marked as the device marks them, so that no force is made of
+them. What looks like a cell in order cannot be detected here: two cells that are swapped, one that
+follows late, or one that is jammed but still noisy. A calibration and the watch for drift detect
+those, by weight and CoM.
 """
 
 from __future__ import annotations
@@ -44,13 +44,13 @@ ALONE = 5.0
 LEAP_FRAMES = 3
 """Who has not come back from a leap by then has been loaded."""
 LEAP_PERIOD_S = 0.05
-"""Readings of a cell further apart tell no leaps."""
+"""Readings of a cell further apart show no leaps."""
 SPIKE_S = 0.3
 """For so long after a spike its cell counts as broken."""
 LEARN_S, LEARN_FRAMES = 0.04, 1000
 """Readings of so long a time, or so many, are learnt from at once."""
 RESTART_S = 1.0
-"""After a gap in the stamps all begins anew."""
+"""After a gap in the stamps all starts again."""
 
 GOOD, SATURATED = ShoeVoltages.GOOD, ShoeVoltages.SATURATED
 NO_DATA, FAULT = ShoeVoltages.NO_DATA, ShoeVoltages.FAULT
@@ -59,7 +59,7 @@ _CODES = {
     NO_DATA: Code.CELL_SILENT,
     FAULT: Code.CELL_FAULT,
 }
-_TOLD = {
+_FAULTS = {
     Code.CELL_SATURATED: "stands at an end of its range",
     Code.CELL_SILENT: "gives nothing",
     Code.CELL_FAULT: "is broken, says its device",
@@ -99,7 +99,7 @@ class CellWatch:
 
     @property
     def noise(self) -> FloatArray:
-        """(n,) standard deviation of the readings, by how much they change from one to the next."""
+        """(n,) standard deviation of the readings, in their unit, by their steps."""
         # Of a normal law, whose mean absolute difference is 2 / sqrt(pi) of it.
         return self._noise * (math.sqrt(math.pi) / 2.0)
 
@@ -124,7 +124,7 @@ class CellWatch:
         spikes = zip(self._names, self.spikes.tolist(), strict=True)
         values = {f"spikes_of_{cell}": str(count) for cell, count in spikes if count}
         if found:
-            reported = ", ".join(f"{cell} {_TOLD[code]}" for cell, code in found.items())
+            reported = ", ".join(f"{cell} {_FAULTS[code]}" for cell, code in found.items())
             return Condition(Level.ERROR, f"{reported}: {CURE}", values, next(iter(found.values())))
         return Condition(Level.OK, "no cell is seen to be broken", values)
 
@@ -146,7 +146,7 @@ class CellWatch:
         if new.all():
             self._learn(ALL, stamps, readings)
         else:
-            # Each board's cells from its own readings: those of a slow one stand beside several.
+            # Each board's cells from its own readings: those of a slow one are among several.
             patterns, board = np.unique(new, axis=1, return_inverse=True)
             for index, own in enumerate(patterns.T):
                 columns = np.flatnonzero(board.ravel() == index)
@@ -208,7 +208,7 @@ class CellWatch:
         if not 0.0 < elapsed_s <= RESTART_S:
             self._restart(readings)
         self._taken.append(one)
-        # Nearly always all is well, and whoever reads the forces is in a hurry.
+        # Nearly always all is well, and readers of the forces are in a hurry.
         with np.errstate(invalid="ignore"):
             leaving = np.abs(readings - self._level)
         inside = np.abs(readings - self._middle) < self._reach
@@ -239,14 +239,14 @@ class CellWatch:
         strange = (self._usual > THAWED * self._usual_weight) | (self._usual == 0.0)
         bound = np.where(self._frozen, THAWED, FROZEN)
         others_change = float(np.median(self._changing)) > LIVELY
-        beside_others = strange & (self._changing < bound) & others_change
-        self._frozen = beside_others | self._own_noise.ended
+        unlike_others = strange & (self._changing < bound) & others_change
+        self._frozen = unlike_others | self._own_noise.ended
         self._calm = self._calm and not self._frozen.any()
 
     def _look_for_leaps(self, one: Joined, leaving: FloatArray) -> None:
         """From the last level that was believed; `leaving` is (n,).
 
-        A slow board's reading stands beside several of a fast one's: it has leapt once.
+        A slow board's reading goes with several of a fast one's: it has leapt once.
         """
         far = leaving > self._bound
         back = (self._leaps > 0) & ~far & one.new

@@ -1,4 +1,4 @@
-"""Which way is up, as an inertial sensor on the torso tells it."""
+"""Which way is up, by an inertial sensor on the torso."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class ImuInput:
         return self.heard.age_s
 
     def take(self, messages: Sequence[Any]) -> None:
-        """Take sensor_msgs/Imu messages in order; those that tell no direction do not count."""
+        """Take sensor_msgs/Imu messages in order; those without a direction do not count."""
         for message in messages:
             up = _from_orientation(message)
             if up is not None:

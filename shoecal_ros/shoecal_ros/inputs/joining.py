@@ -65,7 +65,7 @@ class JoinSettings(Settings):
     hold_s: float = setting(
         0.04,
         "s",
-        "for how long a cell's reading counts beside those of other boards, or for "
+        "for how long a cell's reading counts with those of other boards, or for "
         f"{HOLD_PERIODS:g} of its own board's periods if that is longer, but at most for "
         f"{MOST_HOLD_S:g} s",
         minimum=1e-3,
@@ -81,7 +81,7 @@ class Joined:
         stamp_ns: time of sampling of the board that gives the instants [ns].
         readings: (n,) in the shoe's order, NaN where none came.
         status: (n,) constants of ShoeVoltages.
-        new: (n,) which were told since the instant before; others are that one's still.
+        new: (n,) which were sent since the instant before; others are that one's still.
     """
 
     stamp_ns: int
@@ -160,7 +160,7 @@ class FrameJoiner:
         self.forget()
 
     def forget(self) -> None:
-        """Begin anew: boards may have been plugged differently."""
+        """Start again: boards may have been plugged differently."""
         self._streams: dict[tuple[str, tuple[str, ...]], _Stream] = {}
         self._owner: dict[str, str] = {}
         self._heard: dict[str, float] = {}
@@ -168,11 +168,11 @@ class FrameJoiner:
 
     @property
     def missing(self) -> tuple[str, ...]:
-        """Channels that nobody has sent."""
+        """Channels that have not been sent."""
         return tuple(name for name in self._names if name not in self._owner)
 
     def fitted_s(self, columns: NDArray[np.int64]) -> float:
-        """When the last reading of some channels came that an instant has or will have [s]."""
+        """When the last reading of channels (k,) came that an instant has or will have [s]."""
         if self._whole_s >= self._part_s:
             return self._whole_s
         return max(self._whole_s, float(self._fits[columns].max()))
@@ -188,7 +188,7 @@ class FrameJoiner:
             UnsteadyCellsError: for yet another set of cells after very many; likewise.
         """
         if not frame.cells:
-            # A device whose channels nobody named: its driver says so.
+            # A device whose channels have no names: its driver says so.
             return None
         stream = self._stream(frame)
         now = self._heard[frame.source] = self.clock()
@@ -232,7 +232,7 @@ class FrameJoiner:
         return self._instant(stamp)
 
     def _late(self, stamp: int, now: float) -> bool:
-        """Whether the board that gives the instants is, beside a frame that came now."""
+        """Whether the board that gives the instants is, compared with a frame that came now."""
         silent = self._between >= _MOST_BETWEEN and now - self._came[self._reference] > _GONE_S
         if silent and self._stamps[self._reference] > stamp:
             # Gone, whatever its stamps say.
@@ -310,7 +310,7 @@ class FrameJoiner:
         return stream
 
     def _owned(self, cell: str, source: str) -> bool:
-        """Whether somebody else sends a cell; whoever has fallen silent has none any more."""
+        """Whether another source sends a cell; one that has fallen silent has none any more."""
         owner = self._owner.get(cell, source)
         if owner != source and self.clock() - self._heard[owner] > _GONE_S:
             self._heard.pop(owner)

@@ -43,7 +43,7 @@ class JointBatch:
 
 
 class JointInput:
-    """What a robot tells of its joints.
+    """What a robot reports of its joints.
 
     Attributes:
         problem: what is wrong and its cure, None while usable angles come often enough.
@@ -67,7 +67,7 @@ class JointInput:
             stale_s: without usable angles for that long there is a problem, by the wall clock [s].
             clock: monotonic [s].
             silent_s: for that long at least, they are silent [s].
-            senders: names of the nodes that send joint angles, to be told.
+            senders: names of the nodes that send joint angles, to be reported.
         """
         self.robot = robot
         self.latest: JointBatch | None = None
@@ -93,7 +93,7 @@ class JointInput:
 
     @property
     def silent(self) -> bool:
-        """Whether nothing may be made of the last angles any more: none come, or two tell them."""
+        """Whether nothing may be made of the last angles any more: none come, or two send them."""
         return self._contradicted or self.heard.silent
 
     @property
@@ -139,7 +139,7 @@ class JointInput:
         return batch
 
     def _usable(self, stamps: NDArray[np.int64], angles: FloatArray) -> JointBatch | None:
-        """What one sender told, each later than all before it; a clock may have been set back."""
+        """What one sender sent, each later than all before it; a clock may have been set back."""
         if not stamps.any():
             reported = "joint_states carries no stamps of time; correct its sender"
             self._mismatch = Problem.of(UnusableJointsError(reported))
@@ -156,7 +156,7 @@ class JointInput:
 
     def _those_who_send(self) -> Sequence[str]:
         """By name; where there were more, those who are left are not what was wrong."""
-        # Asked again and again: who has just come may not have told its name yet.
+        # Asked again and again: one that has just come may not have its name yet.
         names = tuple(self._senders())
         return names if len(names) >= len(self._contradicting) else self._contradicting
 

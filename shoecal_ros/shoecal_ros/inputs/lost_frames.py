@@ -24,7 +24,7 @@ class LostFrames:
         return self._last.keys()
 
     def note(self, source: str, sequence: int) -> None:
-        """A source's frame has come; a counter that goes back began anew and tells of no loss."""
+        """A source's frame has come; a counter that goes back started again and shows no loss."""
         last = self._last.get(source)
         self._last[source] = sequence
         if last is not None:

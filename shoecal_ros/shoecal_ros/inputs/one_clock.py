@@ -29,8 +29,8 @@ class OneClock:
         """Nothing has been compared.
 
         Args:
-            joints: what the robot tells.
-            voltages: what the shoes tell.
+            joints: what the robot sends.
+            voltages: what the shoes send.
             gap_s: by which their stamps may differ [s].
             clock: monotonic [s].
         """

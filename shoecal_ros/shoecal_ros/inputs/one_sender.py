@@ -13,9 +13,9 @@ from shoecal_ros.inputs.stamps import CLOCK_SET_NS
 FloatArray = NDArray[np.float64]
 
 SLACK_RAD, SLACK_SPEED = 0.05, 2.0
-"""Between two samples a joint moves by no more than this, beside so many times its fastest."""
+"""Between two samples a joint moves by no more than this, plus so many times its fastest."""
 UNLIMITED_RAD_S = 10.0
-"""Fastest speed of a joint whose URDF tells none."""
+"""Fastest speed of a joint whose URDF gives none."""
 _STEPS = 50
 _ODD = 3
 """More odd samples than this in so many: two senders, or an encoder that fails."""
@@ -26,7 +26,7 @@ class OneSender:
 
     A sample from which no joint could have come here in time, or whose stamp falls far back, is
     believed once the next one confirms it: a robot may have been put elsewhere, a clock may have
-    been set. Where that goes to and fro two senders tell the same joints, each of itself.
+    been set. Where that goes to and fro two senders send the same joints, each of itself.
     """
 
     def __init__(self, robot: Robot) -> None:

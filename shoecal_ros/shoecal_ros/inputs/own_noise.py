@@ -2,11 +2,11 @@
 
 White noise of s counts, seen in whole counts while the force stays, makes one reading in so many a
 strict extremum of three: 2/3 where s is large, 0.42 at one count, 0.35 at 0.7; with little noise at
-most 1/4, where the force happens to lie between two counts. So a share of NOISY tells noise that
+most 1/4, where the force happens to lie between two counts. So a share of NOISY shows noise that
 cannot rest wherever the force lies. Such a reading repeats with a chance of 0.37 or less: 25 times
 in a row, one in 10^10. A converter that has not been seen to be noisy may rest for as long as it
-likes: a motion makes no such share, a robot that shakes may, and then it must be seen anew. So a
-board whose noise is less than 0.7 counts is not told from a robot that stands quite still.
+likes: a motion makes no such share, a robot that shakes may, and then it must be seen again. So a
+board whose noise is less than 0.7 counts looks like a robot that stands quite still.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ class OwnNoise:
         """Take (k, m) changes from reading to reading of m channels, over so long a time [s]."""
         changes = steps != 0.0
         changed = changes.any(axis=0)
-        # Who rests by nature, and was only shaken, is not told a second time before it is known.
+        # What rests by nature, and was only shaken, is not reported again before it is known.
         thawed = self.ended[cells] & changed
         noisy, share = self.noisy[cells] & ~thawed, np.where(thawed, 0.0, self._share[cells])
         pairs = np.sign(np.concatenate([self._before[cells][None], steps]))

@@ -21,7 +21,7 @@ def understood(
     Args:
         serialised: messages.
         read: one of them.
-        refuse: told why, for each of the others.
+        refuse: called with the reason, for each of the others.
     """
     whole: list[bytes] = []
     found: list[T] = []

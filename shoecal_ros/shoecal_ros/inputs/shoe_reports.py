@@ -1,4 +1,4 @@
-"""What the shoes tell of themselves: that readings come, and which feet carry load."""
+"""What the shoes report: that readings come, and which feet carry load."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class ShoeReports:
         """Nothing heard.
 
         Args:
-            reported: whether somebody is there who would tell a new state.
+            reported: whether a node is there that would publish a new state.
             clock: monotonic [s].
         """
         self._reported = reported
@@ -56,13 +56,13 @@ class ShoeReports:
                 if foot.valid and not foot.stale:
                     self._useless_since[foot.foot] = np.inf
                     continue
-                # Who never told anything of use does not fall silent.
+                # What never sent anything of use does not fall silent.
                 since = self._useless_since.setdefault(foot.foot, -np.inf)
                 self._useless_since[foot.foot] = min(since, self._clock())
 
     @property
     def ages(self) -> dict[str, float]:
-        """By source, since when it has told nothing of use; infinite where it never did [s].
+        """By source, since when it has sent nothing of use; infinite where it never did [s].
 
         Readings of a foot of which a cell is broken are of no use: whether it carries is not known.
         """
@@ -84,9 +84,9 @@ class ShoeReports:
 
     @property
     def loaded(self) -> tuple[bool | None, bool | None]:
-        """Whether the left and the right foot carry load; None where nobody knows.
+        """Whether the left and the right foot carry load; None where unknown.
 
-        Nobody does before a calibration is in force.
+        Unknown until a calibration is in force.
         """
         left, right = (self._of(foot) for foot in FEET)
         return left, right

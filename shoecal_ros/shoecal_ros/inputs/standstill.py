@@ -1,4 +1,4 @@
-"""Collects what a robot tells while it stands still."""
+"""Collects what a robot sends while it stands still."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ class Standstill:
 
     @property
     def readings(self) -> FloatArray:
-        """(n,) mean."""
+        """(n,) mean, in the readings' unit."""
         mean: FloatArray = np.mean(self._readings, axis=0)
         return mean
 

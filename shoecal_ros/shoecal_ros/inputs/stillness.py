@@ -1,4 +1,4 @@
-"""Does the robot stand still? Told from joint angles alone."""
+"""Does the robot stand still? Judged by joint angles alone."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ FloatArray = NDArray[np.float64]
 
 
 SAMPLES = 2000
-"""Samples closer together than the while over so many tell nothing more."""
+"""Samples closer together than the while over so many add nothing."""
 
 
 class Stillness:
@@ -30,7 +30,7 @@ class Stillness:
         self._samples: deque[tuple[int, FloatArray]] = deque()
 
     def restart(self) -> None:
-        """Forget what was: the robot has been told to move."""
+        """Forget what was: the robot has been commanded to move."""
         self._samples.clear()
 
     def add(self, stamp_ns: int, angles: FloatArray) -> None:

@@ -16,7 +16,7 @@ _KEY = "temperature"
 
 
 class TemperatureInput:
-    """What a robot tells of its motors."""
+    """What a robot reports of its motors."""
 
     def __init__(self, robot: Robot, clock: Callable[[], float] = time.monotonic) -> None:
         """Nothing heard.
@@ -37,7 +37,7 @@ class TemperatureInput:
 
     @property
     def ages(self) -> dict[str, float]:
-        """By joint that has ever told its temperature, since when it has not [s]."""
+        """By joint that has ever reported its temperature, since when it has not [s]."""
         now = self._clock()
         return {joint: now - heard for joint, (_, heard) in self._heard.items()}
 
@@ -47,7 +47,7 @@ class TemperatureInput:
             self._note(message.header.frame_id, message.temperature)
 
     def take_diagnostics(self, messages: Sequence[Any]) -> None:
-        """Take diagnostics: a status whose hardware is a joint may tell its `Temperature`."""
+        """Take diagnostics: a status whose hardware is a joint may hold its `Temperature`."""
         for message in messages:
             for status in message.status:
                 if status.hardware_id not in self._joints:

@@ -17,7 +17,7 @@ from shoecal_ros.inputs.joining import BoardsApartError, FrameJoiner, Joined
 from shoecal_ros.inputs.lost_frames import LostFrames
 
 REMEMBER_S = 3.0
-"""How long a frame that could not be used is told after it came, by the wall clock."""
+"""How long a frame that could not be used is reported after it came, by the wall clock."""
 
 
 class VoltageInput:
@@ -27,7 +27,7 @@ class VoltageInput:
         latest: the last instant of all channels, None before there was one.
         heard: since when there was none.
         feet: since when nothing came of a foot that fits the other's readings.
-        temperature: that a device told last [degC], NaN where none does.
+        temperature: that a device reported last [degC], NaN where none does.
     """
 
     def __init__(
@@ -107,8 +107,8 @@ class VoltageInput:
         if missing and now - self._began > REMEMBER_S:
             return Problem(
                 Code.CELL_NOT_SENT,
-                f"nobody sends the voltage of {', '.join(missing)}; correct the driver's channels "
-                "or the shoe file",
+                f"no device sends the voltage of {', '.join(missing)}; correct the driver's "
+                "channels or the shoe file",
             )
         return None
 
@@ -143,7 +143,7 @@ class VoltageInput:
         except ShoecalError as error:
             self.refuse(Problem.of(error))
             return None
-        if frame.cells:  # whoever sends none may have any name: nothing is kept of it
+        if frame.cells:  # one that sends none may have any name: nothing is kept of it
             self._lost.note(frame.source, frame.sequence)
         if not math.isnan(frame.temperature):
             self.temperature = frame.temperature

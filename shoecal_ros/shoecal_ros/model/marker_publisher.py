@@ -1,6 +1,6 @@
 """Publishes markers while somebody looks at them, and hears forces only then.
 
-The calibrator publishes no force that nobody hears, so looking costs the live path a little and
+The calibrator publishes no force without a subscriber, so looking costs the live path a little and
 not looking costs it nothing.
 """
 

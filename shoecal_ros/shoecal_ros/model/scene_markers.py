@@ -2,7 +2,7 @@
 
 | namespace         | what                                                    | frame              |
 |-------------------|---------------------------------------------------------|--------------------|
-| `body`            | limbs as thick as their mass tells, feet, shoes         | `l_sole`           |
+| `body`            | limbs as thick as their mass requires, feet, shoes      | `l_sole`           |
 | `sole`            | outlines of the soles                                   | `l_sole`, `r_sole` |
 | `sensing_polygon` | where the CoP of each foot may be                       | `l_sole`, `r_sole` |
 | `support_polygon` | hull of both sensing polygons while both feet carry     | `l_sole`           |
@@ -39,7 +39,7 @@ FloatArray = NDArray[np.float64]
 FORCE_HEIGHT = 0.75
 """Length of the arrow for the robot's weight, over the height of its CoM."""
 LIFETIME_S = 1
-"""s; what is told no more vanishes, so that no viewer shows what is not."""
+"""s; what is published no more vanishes, so that no viewer shows what is not."""
 LINE, BALL = 0.003, 0.012
 """m: width of lines, diameter of centres."""
 
@@ -56,7 +56,7 @@ class FootSeen:
     """What is measured of one foot, as far as it is known and fresh.
 
     Attributes:
-        loaded: it carries; None where nobody tells.
+        loaded: it carries; None where unknown.
         force: of the floor on it, upwards [N].
         cop: (2,) in its sole frame [m].
         bad: names of cells whose status is not good.

@@ -31,7 +31,7 @@ from shoecal_ros.common.process import run
 from shoecal_ros.inputs.input_timeout import InputTimeout
 from shoecal_ros.inputs.sensor_frames import frame_reader
 from shoecal_ros.inputs.serialised import understood
-from shoecal_ros.inputs.voltages_told import voltages_told
+from shoecal_ros.inputs.voltages_condition import voltages_condition
 
 
 class CalibratorNode(CalibratorBase):
@@ -56,11 +56,11 @@ class CalibratorNode(CalibratorBase):
         self._halt = Halt(self, self.arming)
 
     def watch(self) -> None:
-        """Tell how everything fares."""
+        """Report how everything fares."""
         problem = self.joints.problem or self.one_clock.problem
         figures = self.joints.heard.figures()
         self.health.note("joints", Condition.of(problem, "joints come", figures))
-        self.health.note("voltages", voltages_told(self.voltages))
+        self.health.note("voltages", voltages_condition(self.voltages))
         self.health.note("cells", self.cells.condition)
         self._report_calibration()
         self.health.note("diagnosis", self._diagnoses.condition)
@@ -121,7 +121,7 @@ class CalibratorNode(CalibratorBase):
         self.recorder.take(topic, serialised)
         self._rezeroing.take_readings(joined)
 
-    # Telling
+    # Reporting
 
     def _flags(self) -> tuple[FootFlags, FootFlags]:
         left, right = self.voltages.feet

@@ -36,14 +36,14 @@ class ControllerSettings(Settings):
     interface: str = setting(
         "action",
         "",
-        "action (follow_joint_trajectory: it tells when it gives up) or topic (joint_trajectory)",
+        "action (follow_joint_trajectory: it reports when it gives up) or topic (joint_trajectory)",
         choices=("action", "topic"),
     )
     others: str = setting(
         "",
         "",
-        "joints that the controller wants in every goal beside the planned ones, with commas "
-        "between; they are told to stay",
+        "joints that the controller wants in every goal in addition to the planned ones, with "
+        "commas between; they are commanded to stay",
     )
 
 
@@ -62,7 +62,7 @@ class ControllerAdapter(Adapter):
 
     @property
     def missing(self) -> str:
-        """Nobody offers the controller's action, or takes its topic."""
+        """Why the controller's action or topic is not there; empty where it is."""
         return self._controller.missing
 
     @property
@@ -71,7 +71,7 @@ class ControllerAdapter(Adapter):
         return self._controller.trouble
 
     def follow(self, trajectory: JointTrajectory, measured: FloatArray) -> None:
-        """Send its beginning, and go on with the rest."""
+        """Send its start, and go on with the rest; measured (m,) [rad]."""
         if self._closes:
             raise ShoecalError("this adapter ends; start it again")
         whole = self._with_others(trajectory, measured)
@@ -95,7 +95,7 @@ class ControllerAdapter(Adapter):
         self._controller.stop_everything()
 
     def watch(self) -> None:
-        """See to it that the controller does what it was told, too."""
+        """See to it that the controller does what it was commanded, too."""
         self._controller.watch()
         super().watch()
 
@@ -135,7 +135,7 @@ class ControllerAdapter(Adapter):
         if latest is None:
             return None
         measured = latest.angles[0]
-        # Back to where they were when last told, no faster than they went on meanwhile.
+        # Back to where they were when last reported, no faster than they went on meanwhile.
         command = hold(self.robot, measured, STOP_TIME_S + self.joints.age_s)
         return trajectory_to_ros(self._with_others(command, measured))
 

@@ -64,7 +64,7 @@ class ModelNode(ShoecalNode):
         self.subscribe(JointState, "joint_states", self._hear, qos.RAW)
 
     def watch(self) -> None:
-        """Tell whether joint angles come."""
+        """Report whether joint angles come."""
         figures = self._joints.heard.figures()
         reported = Condition.of(self._joints.problem, "joint angles come", figures)
         self.health.note("joints", reported)

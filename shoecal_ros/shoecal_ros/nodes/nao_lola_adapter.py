@@ -43,26 +43,26 @@ class NaoLolaAdapter(StreamingAdapter):
         )
         self._temperatures = self.create_publisher(Temperature, "joint_temperatures", qos.LIVE)
         self._every_ns = round(1e9 / settings.heat_rate)
-        self._told_ns = 0
+        self._sent_ns = 0
         self.subscribe(heat, "sensors/joint_temperatures", self._relay, qos.EITHER)
         self.send_at(settings.rate)
 
     @property
     def missing(self) -> str:
-        """Nobody takes positions."""
+        """Why no node takes positions; empty where one does."""
         return unheard(self._effectors, "nao_lola")
 
     def send(self, names: Sequence[str], angles: FloatArray) -> None:
-        """Tell the joints that LoLA numbers."""
+        """Publish set points (k,) [rad] of the joints that LoLA numbers."""
         indexes, positions = numbered(names, angles.tolist())
         self._effectors.publish(self._positions(indexes=indexes, positions=positions))
 
     def _relay(self, messages: list[Any]) -> None:
         now_ns = self.now_ns
         # After a clock was set back, too.
-        if 0 <= now_ns - self._told_ns < self._every_ns:
+        if 0 <= now_ns - self._sent_ns < self._every_ns:
             return
-        self._told_ns = now_ns
+        self._sent_ns = now_ns
         for name, number in NUMBERS.items():
             degc = float(messages[-1].temperatures[number])
             header = header_to_ros(now_ns, name)

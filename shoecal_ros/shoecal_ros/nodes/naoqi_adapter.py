@@ -43,11 +43,11 @@ class NaoqiAdapter(StreamingAdapter):
 
     @property
     def missing(self) -> str:
-        """Nobody takes joint angles."""
+        """Why no node takes joint angles; empty where one does."""
         return unheard(self._publisher, "naoqi_driver2")
 
     def send(self, names: Sequence[str], angles: FloatArray) -> None:
-        """Tell joints that have a motor of their own."""
+        """Publish set points (k,) [rad] of the joints that have a motor of their own."""
         followers = {self.robot.joint_names[motor.joint] for motor in self.robot.shared}
         reported = {
             name: angle

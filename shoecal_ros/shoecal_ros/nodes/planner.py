@@ -89,7 +89,7 @@ class PlannerNode(ShoecalNode):
         self.joints.take(messages)
 
     def _listen(self) -> Senses:
-        """To what is watched beside the joints, where it comes."""
+        """To what is watched in addition to the joints, where it comes."""
         imu, temperatures = ImuInput(self.robot), TemperatureInput(self.robot)
         shoes = ShoeReports(lambda: states.get_publisher_count() > 0)
         self.subscribe(Imu, "imu", imu.take, qos.EITHER)
@@ -107,7 +107,7 @@ class PlannerNode(ShoecalNode):
         self._command.publish(trajectory_to_ros(trajectory))
 
     def watch(self) -> None:
-        """Disarm what nobody uses, and tell how joints and planning fare."""
+        """Disarm what is not in use, and report how joints and planning fare."""
         if self._busy:
             self.arming.use()
         # Repeated while it holds: so everybody knows soon when this node is gone.
@@ -119,14 +119,14 @@ class PlannerNode(ShoecalNode):
         self.health.tell("arming", Level.OK, "armed" if self.arming.armed else "not armed")
         self.listeners.look()
         self.health.note("commands", self.listeners.condition(armed=self.arming.armed))
-        self._tell_planning()
+        self._report_planning()
         latest = self.joints.latest
         angles = None if latest is None else latest.angles[0]
         reported = watched(self.senses, self.kinematics, self.moving, angles)
         for subject, condition in reported.items():
             self.health.note(subject, condition)
         if self.moving.steps:
-            self._tell_steps()
+            self._report_steps()
         super().watch()
 
     def close(self) -> None:
@@ -140,15 +140,15 @@ class PlannerNode(ShoecalNode):
                 publisher.wait_for_all_acked(LAST_WORDS)
         self.worker.close()
 
-    def _tell_planning(self) -> None:
+    def _report_planning(self) -> None:
         well, error = "at work" if self._busy else "ready", self.worker.lost or self._prepared.error
         if not self._prepared.done:
             well = "preparing"
         problem = None if error is None else Problem.of(error)
         self.health.note("planning", Condition.of(problem, well))
 
-    def _tell_steps(self) -> None:
-        """Whether this node alone offers to step: a goal reaches whichever answers first."""
+    def _report_steps(self) -> None:
+        """Whether this node alone offers to step: a goal reaches the one that answers first."""
         service = self.resolve_service_name(f"{REACH}/_action/send_goal")
         if self.count_services(service) > 1:
             self.health.tell(

@@ -37,7 +37,7 @@ START_S = 2.0
 
 @dataclass(frozen=True)
 class ShoeDriverSettings(Settings):
-    """What the driver's node is told; the device itself is described in `config_file`."""
+    """Settings of the driver's node; the device itself is described in `config_file`."""
 
     config_file: str = setting(
         "", "", "device file; empty: the configuration's nodes/shoe_driver.yaml"
@@ -72,7 +72,7 @@ class ShoeDriverNode(ShoecalNode):
         self._thread.start()
 
     def watch(self) -> None:
-        """Tell how the device fares, and look for others that send the same cells."""
+        """Report how the device fares, and look for others that send the same cells."""
         if self._error is not None:
             # A node without its reader would look alive.
             raise self._error

@@ -129,7 +129,7 @@ class SimulatorNode(ShoecalNode):
         self.wall_timer(TICK_S, self._tick)
 
     def watch(self) -> None:
-        """Tell how the simulation fares."""
+        """Report how the simulation fares."""
         self.health.note("robot", self._condition)
         self.health.note("listeners", self._body_publishers.condition)
         super().watch()
@@ -212,10 +212,10 @@ class SimulatorNode(ShoecalNode):
                 self._refused = f"trajectory refused: {error}"
 
     def _stop(self, trajectory: JointTrajectory) -> None:
-        """Come to rest once, where the robot is: who disarms a moving robot tells it to just after.
+        """Come to rest once, where the robot is: what disarms a moving robot asks for it then.
 
         The positions of such a command do not count. Nor does the robot stop without it, though
-        nobody arms it any more: robots there are that do not.
+        it is armed no more: some robots do not.
         """
         measured = self._body.robot.joints().angles
         if not is_hold(trajectory, self._robot, measured):

@@ -83,8 +83,8 @@ class Execution:
         """Whether the robot may begin to move.
 
         Raises:
-            RefusedError: when it is not armed, was disarmed meanwhile, has nobody that listens, or
-                is too hot.
+            RefusedError: when it is not armed, was disarmed meanwhile, has no driver that listens,
+                or is too hot.
         """
         if not self._order.sends:
             return
@@ -145,7 +145,12 @@ class Execution:
             )
 
     def commanded(self, motion: Motion, ahead: FloatArray | float = 0.0) -> JointTrajectory:
-        """What is sent: the joints that the planner moves; the others stay as they are."""
+        """What is sent: the joints that the planner moves; the others stay as they are.
+
+        Args:
+            motion: as planned.
+            ahead: (k,) added to the leg angles [rad].
+        """
         robot = self._mover.robot
         legs = motion.positions[:, robot.legs] + ahead
         positions = np.clip(robot.from_legs(legs), robot.lower, robot.upper)
@@ -178,7 +183,7 @@ class Execution:
                 motion.phases[0].support_phase,
             )
         self._watch.begin(motion)
-        # Whoever records the motion begins before it does.
+        # The recorder starts before the motion does.
         self._order.feed("moving", 0.0, 0)
         self._part = part
         self._mover.command(trajectory)
@@ -206,7 +211,7 @@ class Execution:
         """Take new joint angles, or whatever else has come; hold where something is wrong."""
         problem = self._mover.joints.problem
         if problem is not None:
-            # Nobody knows where the robot is: it stops where it was meant to be when seen.
+            # Where the robot is is unknown: it stops where it was meant to be when seen.
             angles = part.follower.at_rest(part.expected)
             raise self._stopped(
                 angles, Plan.Result.NO_JOINT_STATES, f"stopped while moving: {problem}"
@@ -269,7 +274,7 @@ class Execution:
 
     @property
     def _armed(self) -> bool:
-        """Armed, and never disarmed since the order came: arming anew is not meant for it."""
+        """Armed, and never disarmed since the order came: arming again is not meant for it."""
         arming = self._mover.arming
         return arming.armed and arming.disarmings == self._disarmings
 

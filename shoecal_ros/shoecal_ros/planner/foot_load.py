@@ -55,7 +55,7 @@ def needed_shares(cop: FloatArray, own: FloatArray, other: FloatArray) -> FloatA
 
 
 class LoadWatch:
-    """Tells which foot has carried nothing for too long although it had to carry."""
+    """Shows which foot has carried nothing for too long although it had to carry."""
 
     def __init__(
         self, time: FloatArray, needed: FloatArray, least: float, late_s: float, patience_s: float
@@ -77,11 +77,11 @@ class LoadWatch:
         self._since: list[float | None] = [None, None]
 
     def look(self, elapsed: float, loaded: Sequence[bool | None]) -> str:
-        """Take what both feet tell at a time of the motion; what is wrong, empty when nothing.
+        """Take what both feet report at a time of the motion; what is wrong, empty when nothing.
 
         Args:
             elapsed: since the motion was sent [s].
-            loaded: left, right; None where nobody knows.
+            loaded: left, right; None where unknown.
         """
         first, last = np.searchsorted(self._time, [elapsed - self._late_s, elapsed])
         span = slice(min(int(first), len(self._time) - 1), int(last) + 1)

@@ -21,7 +21,7 @@ class Listeners:
     """
 
     def __init__(self, node: Node, publisher: Publisher) -> None:
-        """Nobody has been looked for yet."""
+        """No subscriber has been looked for yet."""
         self._node = node
         self._publisher = publisher
         self._names: list[str] = []
@@ -36,11 +36,11 @@ class Listeners:
         heard = self._publisher.get_subscription_count() > 0
         self._names = sorted(names) if heard else []
         self.missing = (
-            "" if self._names else f"nobody listens to {topic}; start the robot's driver or adapter"
+            "" if self._names else f"no node subscribes to {topic}; start the driver or adapter"
         )
 
     def condition(self, *, armed: bool) -> Condition:
-        """For diagnostics; that nobody listens matters where the robot may move."""
+        """For diagnostics; a missing subscriber matters where the robot may move."""
         if self.missing and armed:
             return Condition(Level.WARN, self.missing, code=Code.NOBODY_LISTENS)
         if self.missing:

@@ -97,7 +97,7 @@ class PlanJob:
     async def _stream(self) -> None:
         """Part by part, each planned from rest to rest, from the joint angles measured between.
 
-        Motors give under load: the robot comes to rest a little off what it was told. So that
+        Motors give under load: the robot comes to rest a little off its command. So that
         what is measured follows what was checked, commands are ahead of the plan by that much,
         at most `give`.
         """

@@ -90,7 +90,7 @@ class ReachJob:
             self._done += 1
 
     def _feed(self, phase: str, progress: float, landmark: int) -> None:
-        """Nobody knows how many steps there will be: each counts half of what is left."""
+        """The number of steps is not known before: each counts half of what is left."""
         del landmark
         now = time.monotonic()
         if now - self._fed < FEEDBACK_S:

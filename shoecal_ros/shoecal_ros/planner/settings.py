@@ -60,7 +60,7 @@ class MovingSettings(Settings):
     heat_stale_s: float = setting(
         10.0,
         "s",
-        "a motor that told its temperature before, and does not for that long, stops a motion",
+        "a motor that reported its temperature before, and does not for that long, stops a motion",
         minimum=0.1,
     )
     steps: bool = setting(

@@ -1,4 +1,4 @@
-"""Do sensors that told something when the motion began go on doing so?"""
+"""Do sensors that sent data when the motion began go on doing so?"""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ import math
 from collections.abc import Mapping
 
 _NAMED = 3
-"""Sources that are told by name; of motors there may be two dozen."""
+"""Sources that are listed by name; of motors there may be two dozen."""
 
 
 def silent(ages: Mapping[str, float], stale_s: float) -> str:
-    """The sources that tell nothing, and for how long, in a few words; empty when all do.
+    """The sources that send nothing, and for how long, in a few words; empty when all do.
 
     Args:
-        ages: by source, since when it has told nothing [s].
+        ages: by source, since when it has sent nothing [s].
         stale_s: for how long it may [s].
     """
     gone = [
@@ -26,14 +26,14 @@ def silent(ages: Mapping[str, float], stale_s: float) -> str:
 
 
 class Silence:
-    """Remembers who told something at the begin."""
+    """Remembers which sources sent something at the start."""
 
     def __init__(self, ages: Mapping[str, float], stale_s: float) -> None:
         """A motion begins.
 
         Args:
-            ages: by source, since when it has told nothing; infinite where it never did [s].
-            stale_s: for how long a source may tell nothing [s].
+            ages: by source, since when it has sent nothing; infinite where it never did [s].
+            stale_s: for how long a source may send nothing [s].
         """
         self._stale_s = stale_s
         self._sources = tuple(name for name, age in ages.items() if age <= stale_s)

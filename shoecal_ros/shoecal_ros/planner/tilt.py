@@ -14,7 +14,7 @@ MISPLACED = 0.5
 
 
 def upward(body: BodyStates, foot: int) -> FloatArray:
-    """(3,) the floor's upward normal in the base's frame, seen from a foot flat on it.
+    """(3,) unit upward normal of the floor in the base frame, by a foot flat on it.
 
     Args:
         body: of one instant.
@@ -31,9 +31,9 @@ def angle_between(one: FloatArray, other: FloatArray) -> float:
 
 
 class Tilt:
-    """How far the torso leans from what the joint angles say, beyond what it did at the begin.
+    """How far the torso leans from what the joint angles say, beyond what it did at the start.
 
-    What differs at the begin is the floor's slope and how the sensor is mounted: a small turn
+    What differs at the start is the floor's slope and how the sensor is mounted: a small turn
     that stays.
     """
 
@@ -41,8 +41,8 @@ class Tilt:
         """The robot stands.
 
         Args:
-            measured: (3,) upward direction in the base's frame, as the sensor tells it.
-            expected: (3,) the same, as the joint angles tell it.
+            measured: (3,) upward direction in the base's frame, by the sensor.
+            expected: (3,) the same, by the joint angles.
         """
         self.offset = angle_between(measured, expected)
         self._turn = _least_turn(expected, measured)
@@ -53,7 +53,7 @@ class Tilt:
         return self.offset < MISPLACED
 
     def error(self, measured: FloatArray, expected: FloatArray) -> float:
-        """Angle between where the torso's upward direction is and where it should be [rad]."""
+        """Angle between the torso's upward direction (3,) and where it should be (3,) [rad]."""
         return angle_between(measured, self._turn @ expected)
 
 

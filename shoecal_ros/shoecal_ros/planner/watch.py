@@ -1,4 +1,4 @@
-"""What is watched while the robot moves, beside where its joints are."""
+"""What is watched while the robot moves, in addition to its joint angles."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ COOL = "let its motors cool down, the robot sitting or held"
 
 @dataclass(frozen=True)
 class Senses:
-    """What is heard of a robot beside its joint angles; each of them may be missing."""
+    """What is received of a robot in addition to its joint angles; each of them may be missing."""
 
     imu: ImuInput
     shoes: ShoeReports
@@ -36,12 +36,12 @@ class Senses:
 
     @property
     def ages(self) -> dict[str, float]:
-        """By quick source, since when it has told nothing; infinite where it never did [s]."""
+        """By quick source, since when it has sent nothing; infinite where it never did [s]."""
         return {"imu": self.imu.age_s, **self.shoes.ages}
 
     @property
     def motor_ages(self) -> dict[str, float]:
-        """The same of motors, which tell their temperatures once in a while."""
+        """The same of motors, which send their temperatures once in a while."""
         return {
             f"the temperature of '{joint}'": age for joint, age in self.temperatures.ages.items()
         }
@@ -128,7 +128,7 @@ class MotionWatch:
         return StopReason(
             Plan.Result.TILTED,
             f"the torso leans {error:.2f} rad otherwise than its joints make it (tilt_error "
-            f"{bound:g} rad); see that both feet are flat on even ground and nobody pushes",
+            f"{bound:g} rad); see that both feet are flat on even ground and nothing pushes it",
         )
 
     def _load_lost(self, elapsed: float) -> StopReason | None:
@@ -159,7 +159,7 @@ def tilt_now(
     joint_angles: FloatArray,
     support_phase: SupportPhase = SupportPhase.BOTH,
 ) -> Tilt | None:
-    """How the torso leans at joint angles (m,) [rad], feet flat; None where nobody tells."""
+    """How the torso leans at joint angles (m,) [rad], feet flat; None where unknown."""
     up = senses.imu.up
     if up is None or senses.imu.age_s > settings.stale_s:
         return None

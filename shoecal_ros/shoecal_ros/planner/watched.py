@@ -49,8 +49,8 @@ def _tilt(
     age_s = senses.imu.age_s
     if math.isinf(age_s):
         if settings.tilt_required:
-            told = "no imu: nothing moves; start its driver, or set tilt_required to false"
-            return Condition(Level.WARN, told, figures, Code.IMU_STALE)
+            problem = "no imu: nothing moves; start its driver, or set tilt_required to false"
+            return Condition(Level.WARN, problem, figures, Code.IMU_STALE)
         return Condition(Level.OK, "no imu: not watched", figures)
     if age_s > settings.stale_s:
         reported = f"no imu for {age_s:.0f} s: not watched; check its driver"
@@ -76,10 +76,10 @@ def _shoes(senses: Senses, settings: MovingSettings) -> Condition:
     figures = heard.figures()
     if math.isinf(heard.age_s):
         if settings.load_required:
-            told = (
+            problem = (
                 "no shoe/voltages: nothing moves; start shoe_driver, or set load_required to false"
             )
-            return Condition(Level.WARN, told, figures, Code.SHOES_STALE)
+            return Condition(Level.WARN, problem, figures, Code.SHOES_STALE)
         return Condition(Level.OK, "no shoe/voltages: not watched", figures)
     if heard.age_s > settings.stale_s:
         reported = f"no shoe/voltages for {heard.age_s:.0f} s: not watched; check the shoes' driver"

@@ -93,7 +93,7 @@ class CellReadings:
 
 
 class ChannelMap:
-    """Names and scales the channels of frames; counts the ones nobody named."""
+    """Names and scales the channels of frames; counts the ones without a name."""
 
     def __init__(self, channels: Iterable[DeviceChannel]) -> None:
         """Raises ChannelError where two channels share an index or a cell."""

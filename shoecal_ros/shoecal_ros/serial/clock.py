@@ -21,7 +21,7 @@ WINDOW_NS = 20_000_000_000
 BUCKET_NS = 100_000_000
 """The window keeps the least delayed point of every bucket."""
 MIN_SPAN_NS = 2_000_000_000
-"""Shorter stretches of points tell an offset, but no drift."""
+"""Shorter stretches of points give an offset, but no drift."""
 MAX_DRIFT = 0.05
 """Between two clocks; RC oscillators miss by some per cent."""
 
@@ -52,10 +52,10 @@ class _Point:
 
 
 class DeviceClock:
-    """Maps one device's time to the host's; both may jump or start anew.
+    """Maps one device's time to the host's; both may jump or start again.
 
     Attributes:
-        resets: how often the mapping was begun anew.
+        resets: how often the mapping was started again.
     """
 
     def __init__(self) -> None:
@@ -75,7 +75,7 @@ class DeviceClock:
         return self._same
 
     def restart(self) -> None:
-        """Begin anew: the device has restarted."""
+        """Start again: the device has restarted."""
         self.resets += 1
         self._begin()
 
@@ -145,7 +145,7 @@ class DeviceClock:
             # A corrected mapping may slow the stamps down, but not turn them back.
             stamp = max(stamp, last_stamp + max(1, (device - last_device) // 2))
         self._last = device, stamp
-        # A mapping begun anew turns them back no more than that.
+        # A mapping started again turns them back no more than that.
         self._given = max(stamp, self._given + 1)
         return self._given
 
@@ -183,7 +183,7 @@ class DeviceClock:
         return device - self._late_since[0] > SETTLE_NS < receive_ns - self._late_since[1]
 
     def _add(self, point: _Point) -> None:
-        """Take a point into its bucket; fit anew whenever a bucket is complete."""
+        """Take a point into its bucket; fit again whenever a bucket is complete."""
         points = self._points
         ahead = point.device // BUCKET_NS - points[-1].device // BUCKET_NS if points else 1
         if ahead < 0:

@@ -33,7 +33,7 @@ class DriverConfig:
         baud: bits per second.
         mode: binary protocol or text lines.
         text_time, text_columns: of the text lines; columns without the time.
-        text_form: of lines with words beside their numbers; None: numbers alone.
+        text_form: of lines with words next to their numbers; None: numbers alone.
         latency_ns: least time from sampling to receipt [ns], taken off every stamp.
         alarm_s: so long without a byte, or without a good frame, is a problem [s].
         raw_log: file that takes every byte received, None for no log.

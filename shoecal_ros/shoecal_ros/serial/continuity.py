@@ -1,4 +1,4 @@
-"""Are frames missing, and has the device started anew?"""
+"""Are frames missing, and has the device started again?"""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ class Continuity:
     """Follows sequence and device time of the frames of one device."""
 
     def __init__(self, *, numbered: bool = True) -> None:
-        """Numbered: whether the device gives the sequence; made up, it tells of no loss."""
+        """Numbered: whether the device gives the sequence; made up, it shows no loss."""
         self._numbered = numbered
         self._last: Frame | None = None
 
@@ -22,7 +22,7 @@ class Continuity:
         A device time or a sequence that goes back means a restart, but for a time that goes back
         by next to nothing in the very next frame: clocks are read at slightly other moments. The
         sequence may wrap around, so it goes back when it is nearer behind than ahead, modulo 2^32.
-        A device that restarts counts from 0, so its sequence tells how many frames were lost since.
+        A device that restarts counts from 0, so its sequence shows how many frames were lost since.
         """
         last, self._last = self._last, frame
         if last is None:

@@ -29,7 +29,7 @@ PATIENCE_S = 0.05
 def convert(
     volts: NDArray[np.float64], converter: Converter
 ) -> tuple[NDArray[np.int64], NDArray[np.uint8]]:
-    """What an analogue-digital converter makes of voltages, any shape.
+    """What an analogue-digital converter makes of voltages (..., n) [V].
 
     Returns:
         Counts, rounded and clipped to the range, and statuses: SATURATED at the ends of the
@@ -49,7 +49,7 @@ class SimulatedDevice:
 
     Attributes:
         sent: frames put on the line.
-        dropped: frames that found the line full, or nobody at its other end.
+        dropped: frames that found the line full, or no reader at its other end.
     """
 
     def __init__(self, link: Path, info: Info, *, patience_s: float = PATIENCE_S) -> None:
@@ -93,7 +93,7 @@ class SimulatedDevice:
                 f"({error.strerror}); check the folder and what stands there"
             ) from error
         finally:
-            # With this end closed, the line tells whether somebody else has it open.
+            # With this end closed, the line shows whether another process has it open.
             os.close(port)
         os.set_blocking(line, False)
         self._poll.register(line, select.POLLOUT)
@@ -101,7 +101,7 @@ class SimulatedDevice:
         self._begin()
 
     def unplug(self) -> None:
-        """Vanish: whoever reads gets an error, and the link is gone."""
+        """Vanish: the reader gets an error, and the link is gone."""
         if self._line is None:
             return
         self._link.unlink(missing_ok=True)
@@ -155,7 +155,7 @@ class SimulatedDevice:
         return whole
 
     def send_bytes(self, data: bytes) -> bool:
-        """Put raw bytes on the line, or none of them where it stays full or nobody listens.
+        """Put raw bytes on the line, or none of them where it stays full or has no reader.
 
         What was begun is finished first, so a full line never cuts a frame.
         """
@@ -196,7 +196,7 @@ class SimulatedDevice:
         self._listener = self._stuck = False
 
     def _listened(self) -> bool:
-        """Whether somebody has the port open; a new listener is told what this is."""
+        """Whether a process has the port open; a new one is sent what this is."""
         if any(state & select.POLLHUP for _, state in self._poll.poll(0)):
             self._begin()
         elif not self._listener:

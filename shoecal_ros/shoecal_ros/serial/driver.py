@@ -26,7 +26,7 @@ class Reading:
 
     Attributes:
         stamp_ns: host time of sampling [ns].
-        on_receipt: whether the device told no time, so that the stamp is the receipt's.
+        on_receipt: whether the device gave no time, so that the stamp is the receipt's.
         sequence: device counter.
         cells: names, voltages and statuses.
         temperature: [degC], NaN where there is no sensor.
@@ -45,7 +45,7 @@ class DriverStatus:
 
     Attributes:
         source: port or log.
-        clock_resets: how often device and host clock had to be matched anew.
+        clock_resets: how often device and host clock had to be matched again.
         clock_drift: seconds the host's clock gains on the device's in a second.
         same_clock: whether device and host count one (simulated) time.
         before_clock: frames left out because the host's clock showed zero.
@@ -74,7 +74,8 @@ class DriverStatus:
             reported = f"{name}: no cell for channel {channels}; add it to 'channels'"
             return Problem(Code.CHANNEL_WITHOUT_CELL, reported)
         if self.clock_stands:
-            reported = f"{name}: frames come, but the clock stands still; start what tells /clock"
+            cure = "start what publishes /clock"
+            reported = f"{name}: frames come, but the clock stands still; {cure}"
             return Problem(Code.CLOCK_STANDS, reported)
         if self.unseen and self.source.counts.frames:
             cells = ", ".join(self.unseen)

@@ -28,7 +28,7 @@ class Frame:
 
     Attributes:
         sequence: counts every frame, modulo 2^32; made up by the decoder of text lines.
-        device_time_us: device clock at sampling [us], None where the device tells none: then
+        device_time_us: device clock at sampling [us], None where the device gives none: then
             only the time of receipt is known.
         index: channel numbers of the device, in the order sent.
         status: one number a channel, see `ChannelStatus`; others count as FAULT.

@@ -1,4 +1,4 @@
-"""The form of text lines that hold words and units beside their numbers."""
+"""The form of text lines that hold words and units next to their numbers."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ from shoecal_ros.serial.watch import StreamWatch
 
 CHUNK_BYTES = 4096
 LONGEST_PAUSE_US = 60_000_000
-"""A device time further ahead is a clock that jumped; nobody waits for it."""
+"""A device time further ahead is a clock that jumped; it is not waited for."""
 
 
 class ReplaySource:
@@ -90,10 +90,10 @@ class ReplaySource:
         """How far the replay is."""
         ended = self._closed.is_set()
         if self._watch.age is None:
-            told = f"has no good frame: correct 'mode' or 'text'{self._watch.last_fault}"
+            state = f"has no good frame: correct 'mode' or 'text'{self._watch.last_fault}"
         else:
-            told = "replayed to its end; start the driver again to replay it once more"
-        reported = Problem(Code.REPLAY_ENDED, f"{self._path}: {told}")
+            state = "replayed to its end; start the driver again to replay it once more"
+        reported = Problem(Code.REPLAY_ENDED, f"{self._path}: {state}")
         return SourceStatus(
             name=str(self._path),
             connected=not ended,

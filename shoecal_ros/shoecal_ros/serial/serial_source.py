@@ -85,7 +85,7 @@ class SerialSource:
     def read(self, timeout_s: float) -> list[Received]:
         """Frames, device facts and faults, in order; waits at most `timeout_s` for bytes.
 
-        A port that is gone is tried again at growing intervals; `status` tells meanwhile.
+        A port that is gone is tried again at growing intervals; `status` reports it meanwhile.
         """
         with self._reading:
             if self._closed.is_set() or not (self._port or self._reopened(timeout_s)):

@@ -64,7 +64,7 @@ class TextDecoder(Decoder):
         Args:
             time: what the first number of a line is.
             columns: how many values a line must have, the time not counted; None: any number.
-            form: of lines with words beside the numbers; None: numbers and their names alone.
+            form: of lines with words next to the numbers; None: numbers and their names alone.
         """
         super().__init__(Continuity(numbered=False))
         self._time = time

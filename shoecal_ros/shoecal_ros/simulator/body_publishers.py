@@ -1,4 +1,4 @@
-"""What the simulated robot tells of itself: joints, torso, motors."""
+"""What the simulated robot publishes of itself: joints, torso, motors."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class BodyPublishers:
         all_of_them = (self._joints, self._imu, self._temperatures)
         problem = joined(one.problem for one in all_of_them if one and one.problem is not None)
         if problem is None:
-            return Condition(Level.OK, "nobody who listens hangs")
+            return Condition(Level.OK, "no subscriber hangs")
         return Condition(Level.WARN, problem.message, code=problem.code)
 
     def publish(self, samples: BodySamples) -> None:
@@ -78,7 +78,7 @@ class BodyPublishers:
 
 
 def _orientation(stamp_ns: int, quaternion: list[float]) -> Imu:
-    """Orientation alone; covariances of what a sensor does not tell begin with -1."""
+    """Orientation alone; covariances of what a sensor does not give begin with -1."""
     message = Imu(header=header_to_ros(stamp_ns, BASE_LINK))
     q = message.orientation
     q.x, q.y, q.z, q.w = quaternion

@@ -1,4 +1,4 @@
-"""A publisher that runs ahead of real time, and waits for whoever wants every message."""
+"""A publisher that runs ahead of real time, and waits for subscribers that want every message."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class PatientPublisher:
                 return
 
     def _hanging(self) -> Problem:
-        """Names all who may be waited for: of a history not every middleware tells."""
+        """Names all who may be waited for: of a history not every middleware reports."""
         topic = self._publisher.topic_name
         names = sorted(
             f"'{node_name(info)}'"
@@ -63,7 +63,7 @@ class PatientPublisher:
         whom = f"one of {', '.join(names)}" if len(names) > 1 else "".join(names) or "somebody"
         return Problem(
             Code.LISTENER_HANGS,
-            f"{whom} listens to {topic} and takes nothing, so nobody is told it any more; end the "
+            f"{whom} subscribes to {topic} and takes nothing, so it is published no more; end the "
             "node that hangs, let it keep the last messages instead of all, or simulate at a speed "
             "of 1",
         )

@@ -1,4 +1,4 @@
-"""Whether a layout fits the topics there are: what does not is told in a line."""
+"""Whether a layout fits the topics there are: what does not is reported in a line."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def _misfit(shown: Shown, topics: dict[str, Sequence[str]], ignore: set[str]) ->
             return ""
         near = get_close_matches(shown.topic, topics, n=1)
         hint = f"; perhaps {near[0]}" if near else ""
-        return f"{shown.plain}: nobody publishes this topic{hint}"
+        return f"{shown.plain}: no node publishes this topic{hint}"
     kinds = topics[shown.topic]
     if shown.kind and shown.kind not in kinds:
         return f"{shown.plain}: is {', '.join(kinds)}, drawn as {shown.kind}"

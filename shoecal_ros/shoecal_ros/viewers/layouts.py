@@ -65,7 +65,7 @@ def shown_by(file: Path) -> list[Shown]:
     except _NOT_A_LAYOUT as error:
         reported = " ".join(str(error).split())
         raise FileSyntaxError(
-            file, f"is no layout of its viewer ({reported}); save it anew"
+            file, f"is no layout of its viewer ({reported}); save it again"
         ) from error
     if not found:
         raise FileSyntaxError(file, "shows no topic; save the layout with something in it")

@@ -223,7 +223,7 @@ def test_two_senders_of_the_same_joints_are_refused(lab: Lab) -> None:
         if not refused:
             lab.imported(folder).read(1)
             continue
-        with pytest.raises(FileError, match=r"/joint_states: two senders tell '.*' in turns"):
+        with pytest.raises(FileError, match=r"/joint_states: two senders send '.*' in turns"):
             lab.imported(folder)
 
 
@@ -418,7 +418,7 @@ def test_compressed_bags_are_read(lab: Lab, kind: str, mode: CompressionMode) ->
     ("name", "problem"),
     [
         ("walk.bag.bz2", "is compressed; unpack it: `bunzip2 walk.bag.bz2`"),
-        ("walk.mcap.zst", "is not compressed by zstd, as its name says; copy it anew"),
+        ("walk.mcap.zst", "is not compressed by zstd, as its name says; copy it again"),
     ],
 )
 def test_a_file_that_is_packed_otherwise(lab: Lab, name: str, problem: str) -> None:

@@ -22,7 +22,7 @@ from shoecal_core.estimation.support_error import support_covariance
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.identifiability import identifiability
 from shoecal_core.planning.supports.observability import relative_information
-from shoecal_core.report.assessment_content import Told
+from shoecal_core.report.assessment_content import AssessmentContent
 from shoecal_core.report.calibration_content import CalibrationReport, RunReport
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
@@ -70,7 +70,7 @@ def content(
     training = [stance for stance in stances if stance.run in TRAIN]
     stages = self_calibrate(shoe, training, CalibrationSettings())
     exact = Sensing(shoe, parameters)
-    told = told_by(robot, shoe, stages, training)
+    assessed = assessment_content(robot, shoe, stages, training)
     return CalibrationReport(
         robot=robot,
         shoe=shoe,
@@ -80,14 +80,16 @@ def content(
             run_report(robot, stages, stance, measured_series(exact, clean) if truth else None)
             for stance, clean in zip(stances, true, strict=True)
         ),
-        told=told,
+        assessed=assessed,
         timing={"plan": 61.2, "record": 104.5, "solve": 1.31, "total": 171.0},
         provenance=("Simulated robot on simulated shoes, reality default, seed 1.",),
     )
 
 
-def told_by(robot: Robot, shoe: Shoe, stages: SelfCalibration, training: Sequence[Stance]) -> Told:
-    """What the training runs tell; without joint angles no error of the robot is known.
+def assessment_content(
+    robot: Robot, shoe: Shoe, stages: SelfCalibration, training: Sequence[Stance]
+) -> AssessmentContent:
+    """What the training runs identify; without joint angles no error of the robot is known.
 
     The double support to add is made up: to find the best of all takes seconds.
     """
@@ -115,7 +117,7 @@ def told_by(robot: Robot, shoe: Shoe, stages: SelfCalibration, training: Sequenc
         seen_std=np.sqrt(np.diag(covariance)[:size]),
         load_range=np.stack((outputs.min(axis=0), outputs.max(axis=0))),
     )
-    return Told(assessment, settings.fixed_below, Screening())
+    return AssessmentContent(assessment, settings.fixed_below, Screening())
 
 
 def misled(stance: Stance, parameters: ChannelParameters, rng: np.random.Generator) -> Stance:
@@ -184,7 +186,7 @@ def swaying(robot: Robot, count: int, amplitude: float = 0.15) -> FloatArray:
 
 
 def with_gap(run: RunReport) -> RunReport:
-    """The same run; its shoes told nothing for a while, and nothing at all on the right."""
+    """The same run; its shoes sent nothing for a while, and nothing at all on the right."""
     (one,) = run.stances
     cop, foot_cop = one.measured.cop.copy(), one.measured.foot_cop.copy()
     cop[50:90] = np.nan

@@ -11,7 +11,7 @@ from core.report import samples
 from shoecal_core.estimation.assessment import NORMAL_95
 from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.recording.session import Session
-from shoecal_core.report.assessment_content import Told
+from shoecal_core.report.assessment_content import AssessmentContent
 from shoecal_core.report.assessment_figures import rms, source_pictures
 from shoecal_core.report.assessment_section import assessment_section, expected_keys
 from shoecal_core.report.calibration_content import CalibrationReport
@@ -31,9 +31,9 @@ def swaying(session: Session, outcome: CalibrationOutcome) -> CalibrationReport:
     return session_content(session, outcome)
 
 
-def told_of(content: CalibrationReport) -> Told:
-    assert content.told is not None
-    return content.told
+def assessed_in(content: CalibrationReport) -> AssessmentContent:
+    assert content.assessed is not None
+    return content.assessed
 
 
 def words(section: Section) -> str:
@@ -52,66 +52,66 @@ def _words(group: Group) -> str:
 
 def test_expected_errors_are_told(swaying: CalibrationReport) -> None:
     """The same numbers as the terminal and the figures have."""
-    told = told_of(swaying)
-    told_words = words(assessment_section(swaying, told))
-    found = told.assessment
+    assessed = assessed_in(swaying)
+    shown = words(assessment_section(swaying, assessed))
+    found = assessed.assessment
     both, feet = found.expected_cop()
     for spread, cop in zip((found.both, *found.feet), (both, *feet.values()), strict=True):
-        assert size(1e3 * cop, "mm") in told_words
-        assert size(rms(spread.grf), "N") in told_words
-    values = [key.value for key in expected_keys(told)]
+        assert size(1e3 * cop, "mm") in shown
+        assert size(rms(spread.grf), "N") in shown
+    values = [key.value for key in expected_keys(assessed)]
     assert values[0] == size(1e3 * both, "mm")
-    assert "expected CoP error, left foot" in [key.label for key in expected_keys(told)]
+    assert "expected CoP error, left foot" in [key.label for key in expected_keys(assessed)]
 
 
 def test_error_sources_and_cures_are_named(swaying: CalibrationReport) -> None:
-    told = told_of(swaying)
-    assert told.carried
-    section = words(assessment_section(swaying, told))
-    budget = told.assessment.budget
+    assessed = assessed_in(swaying)
+    assert assessed.carried
+    section = words(assessment_section(swaying, assessed))
+    budget = assessed.assessment.budget
     assert budget is not None
     assert "What would help" in section
     known = [one for one in budget.sources if np.isfinite(one.without).all()]
     best = min(known, key=lambda one: float(np.sum(one.without**2)))
     assert source_name(best.effect) in section
     assert (cure(best.effect) or "") in section
-    pictures = [one for one in source_pictures(told) if one.title in section]
+    pictures = [one for one in source_pictures(assessed) if one.title in section]
     assert len(pictures) == 2
     for one in budget.sources[:2]:
         assert source_name(one.effect) in pictures[0].svg
 
 
 def test_where_the_model_s_errors_are_not_known_it_is_said(content: CalibrationReport) -> None:
-    told = told_of(content)
-    assert not told.carried
-    told_words = words(assessment_section(content, told))
-    assert "the true errors are larger" in told_words
-    assert "What would help" not in told_words
-    assert "expected CoP error" not in told_words
-    assert all("known part" in key.label for key in expected_keys(told))
+    assessed = assessed_in(content)
+    assert not assessed.carried
+    shown = words(assessment_section(content, assessed))
+    assert "the true errors are larger" in shown
+    assert "What would help" not in shown
+    assert "expected CoP error" not in shown
+    assert all("known part" in key.label for key in expected_keys(assessed))
 
 
 def test_what_was_left_open_and_what_to_add(content: CalibrationReport) -> None:
     """One training run alone leaves much open."""
-    told = told_of(content)
-    found = told.assessment
+    assessed = assessed_in(content)
+    found = assessed.assessment
     assert found.told.weak
-    told_words = words(assessment_section(content, told))
+    shown = words(assessment_section(content, assessed))
     for weak in found.told.weak:
-        assert weak.words in told_words
+        assert weak.words in shown
     assert found.support_to_add is not None
-    assert str(found.support_to_add) in told_words
-    assert f"{found.told.rank} of {told.possible} directions" in told_words
+    assert str(found.support_to_add) in shown
+    assert f"{found.told.rank} of {assessed.possible} directions" in shown
 
 
 def test_where_nothing_is_left_open(content: CalibrationReport) -> None:
-    told = told_of(content)
-    found = told.assessment
+    assessed = assessed_in(content)
+    found = assessed.assessment
     whole = replace(found, told=replace(found.told, weak=()), support_to_add=None)
-    told_words = words(assessment_section(content, replace(told, assessment=whole)))
-    assert "All directions" in told_words
-    assert "Left open by the data" not in told_words
-    assert "Double support to add" not in told_words
+    shown = words(assessment_section(content, replace(assessed, assessment=whole)))
+    assert "All directions" in shown
+    assert "Left open by the data" not in shown
+    assert "Double support to add" not in shown
 
 
 def test_samples_left_out_are_counted_and_named(content: CalibrationReport) -> None:
@@ -124,14 +124,14 @@ def test_samples_left_out_are_counted_and_named(content: CalibrationReport) -> N
         samples={1: 400, 2: 400, 4: 400},
         kept={4: np.zeros(400, dtype=bool)},
     )
-    told = replace(told_of(content), screening=screening)
-    told_words = words(assessment_section(content, told))
-    assert "403 of 1200 samples do not count (33.6 %)" in told_words
-    assert "run 1 400 3 (0.8 %)" in told_words
-    assert "run 4 (all of it)" in told_words
-    assert "spike WARN left/a gave spikes" in told_words
-    assert "Samples left out, in time" in told_words
-    clean = replace(told, screening=Screening(samples={1: 400}))
+    assessed = replace(assessed_in(content), screening=screening)
+    shown = words(assessment_section(content, assessed))
+    assert "403 of 1200 samples do not count (33.6 %)" in shown
+    assert "run 1 400 3 (0.8 %)" in shown
+    assert "run 4 (all of it)" in shown
+    assert "spike WARN left/a gave spikes" in shown
+    assert "Samples left out, in time" in shown
+    clean = replace(assessed, screening=Screening(samples={1: 400}))
     assert "Nothing: all 400 samples count" in words(assessment_section(content, clean))
 
 
@@ -141,7 +141,7 @@ def test_offsets_without_the_patterns_that_nobody_sees(
     assert "It leaves out patterns" in text
     three = samples.content(samples.shoe_of(3), runs=1)
     assert "patterns" not in channels_table(three).note
-    assert "look uncertain" in channels_table(replace(swaying, told=None)).note
+    assert "look uncertain" in channels_table(replace(swaying, assessed=None)).note
     np.testing.assert_allclose(
-        swaying.half_widths, NORMAL_95 * told_of(swaying).assessment.seen_std
+        swaying.half_widths, NORMAL_95 * assessed_in(swaying).assessment.seen_std
     )

@@ -99,7 +99,7 @@ def test_what_is_missing_is_said(small: CalibrationReport, small_html: str) -> N
 
 def test_a_calibration_that_was_not_found_here(small: CalibrationReport) -> None:
     given = replace(small.calibration, covariance=None, source="manual")
-    text = text_of(replace(small, stages=None, told=None, calibration=given))
+    text = text_of(replace(small, stages=None, assessed=None, calibration=given))
     assert "manual calibration" in text
     assert "without uncertainties" in text
     assert "How it was found" not in text

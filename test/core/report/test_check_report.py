@@ -69,7 +69,7 @@ def test_what_is_left_out_is_counted_and_drawn(checked: CheckReport) -> None:
     text = read(render(page)).text.replace("\N{NO-BREAK SPACE}", " ")
     counted = sum(screening.samples.values())
     assert f"30 of {counted} samples do not count ({3000 / counted:.1f} %)" in text
-    assert f"At fault: {name}." in text
+    assert f"Faulty: {name}." in text
 
 
 def test_channels_that_give_nothing_can_be_drawn(checked: CheckReport) -> None:

@@ -116,7 +116,7 @@ def test_nothing_found_nothing_missing() -> None:
         )
     )  # fmt: skip
     assert "where noise alone leaves" in text
-    assert "it can also tell apart" in text
+    assert "it can also separate" in text
     assert "would have shown in this session" in text
     assert "Nothing is left that another motion would part" in text
     assert "Which cause" not in text
@@ -193,7 +193,7 @@ def test_two_causes_and_their_onset(evidence: Evidence) -> None:
     text = read(html).text
     assert "a foot that slipped (right foot, in run 3)" in text
     assert "the gap shrinks: the CoP's error from 1.42 to 0.45 mm" in text
-    assert "slip (right foot), beside the others 94 %" in text
+    assert "slip (right foot), with the others 94 %" in text
     whole = replace(pair[0].shrink, fraction=0.55, ci95=(0.4, 0.6))
     text = text_of(diagnoses.diagnosis(None, "partly_explained", causes=pair, shrink=whole))
     assert "shrinks by 55 % (95 % interval 40 to 60 %)" in text

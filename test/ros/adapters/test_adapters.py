@@ -30,10 +30,10 @@ KINDS: dict[str, tuple[str, str, dict[str, object]]] = {
 }
 CONTROLLER = "joint_trajectory_controller"
 DRIVERS = {
-    "nao_lola": "nobody listens to /effectors/joint_positions; start nao_lola",
-    "naoqi": "nobody listens to /joint_angles; start naoqi_driver2",
-    "topic": "nobody offers /legs/joint_trajectory; start the controller",
-    "action": "nobody offers /legs/follow_joint_trajectory; start the controller",
+    "nao_lola": "no node subscribes to /effectors/joint_positions; start nao_lola",
+    "naoqi": "no node subscribes to /joint_angles; start naoqi_driver2",
+    "topic": "no node offers /legs/joint_trajectory; start the controller",
+    "action": "no node offers /legs/follow_joint_trajectory; start the controller",
 }
 
 

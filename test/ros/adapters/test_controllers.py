@@ -23,7 +23,7 @@ INTERFACES: dict[str, dict[str, object]] = {
     "topic": {"controller": "legs", "interface": "topic"},
     "action": {"controller": "legs", "others": OTHERS},
 }
-GOES_ON = "legs was told to stop and goes on; use the robot's emergency stop"
+GOES_ON = "legs was asked to stop and goes on; use the robot's emergency stop"
 
 
 @pytest.fixture(params=INTERFACES)
@@ -86,7 +86,7 @@ def test_started_again_it_leaves_a_controller_alone_that_comes_later(begin: Begi
     robot.world.stop("robot")
     robot.kill_adapter()
     robot.start_adapter()
-    robot.until_reported("nobody offers")
+    robot.until_reported("no node offers")
     robot.settle()
     # The word that it is armed may have come last of all.
     end = time.monotonic() + 2.0 * FOUND_S
@@ -248,7 +248,7 @@ def test_a_controller_that_takes_longer_is_stopped_all_the_same(begin: Begin) ->
 
 def test_before_anybody_has_said_whether_the_robot_is_armed_that_is_told(begin: Begin) -> None:
     robot = begin("topic", NODE, armed_by_test=False, **INTERFACES["topic"])
-    assert robot.until_reported("nobody has said whether it is").level == DiagnosticStatus.OK
+    assert robot.until_reported("no node publishes whether it is").level == DiagnosticStatus.OK
 
 
 def test_a_controller_that_is_not_there_is_told(begin: Begin) -> None:
@@ -256,7 +256,7 @@ def test_a_controller_that_is_not_there_is_told(begin: Begin) -> None:
     robot.arm()
     robot.send(squat(0.5))
     robot.world.until_reported(
-        "controller_adapter", "robot", "nobody offers /arms/joint_trajectory; start the controller"
+        "controller_adapter", "robot", "no node offers /arms/joint_trajectory; start the controller"
     )
 
 
@@ -265,6 +265,6 @@ def test_a_controller_that_is_not_there_is_told_before_it_is_needed(
     interface: str, begin: Begin
 ) -> None:
     parameters = {**INTERFACES[interface], "controller": "arms"}
-    reported = begin(interface, NODE, **parameters).until_reported("nobody offers /arms/")
+    reported = begin(interface, NODE, **parameters).until_reported("no node offers /arms/")
     assert reported.level == DiagnosticStatus.WARN
     assert code(reported) == Code.DRIVER_MISSING

@@ -69,7 +69,7 @@ def test_what_warned_goes_on_warning() -> None:
     assert condition.level is Level.WARN
     assert condition.code == Code.CALIBRATION_WARNED
     assert condition.message == (
-        "'made-1' in force (WARN): odd; strange; correct that and calibrate anew"
+        "'made-1' in force (WARN): odd; strange; correct that and calibrate again"
     )
 
 
@@ -77,5 +77,5 @@ def test_a_level_is_told_once() -> None:
     warned = in_force(verdict="FAIL", reasons=("FAIL: odd", "WARN: strange"))
     condition = warned.condition(5.0)
     assert condition.message == (
-        "'made-1' in force (FAIL): odd; WARN: strange; correct that and calibrate anew"
+        "'made-1' in force (FAIL): odd; WARN: strange; correct that and calibrate again"
     )

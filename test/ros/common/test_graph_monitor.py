@@ -57,7 +57,7 @@ def test_a_second_sender_is_told_until_it_is_gone(
     rival.create_publisher(PointStamped, TOPIC, qos.LIVE)
     until_reported(world, peers, Code.SECOND_SENDER, text)
     world.dismiss(rival)
-    until_reported(world, peers, Code.OK, "nobody")
+    until_reported(world, peers, Code.OK, "no conflict")
 
 
 def test_another_type_is_told_with_both(world: World, peers: GraphMonitor) -> None:

@@ -26,7 +26,7 @@ def test_who_falls_silent_is_named_until_he_is_back() -> None:
     call.take([reported("model")])
     clock.now += 1.0
     assert level(call) is Level.ERROR
-    assert call.condition.message.startswith("planner told nothing for 3.5 s")
+    assert call.condition.message.startswith("planner sent no diagnostics for 3.5 s")
     call.take([reported("planner")])
     assert level(call) is Level.OK
 

@@ -446,7 +446,7 @@ def test_what_is_wrong_with_voltages_is_told_in_turn() -> None:
     assert "no voltages for 10 s" in str(voltages.problem)
     assert code(voltages) == Code.VOLTAGES_STALE
     voltages.take([frame(1, CELLS[:2])])
-    assert "nobody sends the voltage of right/a, right/b" in str(voltages.problem)
+    assert "no device sends the voltage of right/a, right/b" in str(voltages.problem)
     assert code(voltages) == Code.CELL_NOT_SENT
     voltages.take([frame(2, CELLS)])
     assert voltages.problem is None

@@ -28,7 +28,7 @@ def test_markers_come_while_somebody_looks(world: World) -> None:
     grf = world.node.create_publisher(WrenchStamped, "shoe/left/grf", qos.LIVE)
     state = world.node.create_publisher(ShoeState, "shoe/state", qos.LATCHED)
     world.until(lambda: world.node.count_publishers(TOPIC))
-    # Nobody looks, so nobody listens to forces.
+    # Nobody looks, so no node subscribes to forces.
     assert cop.get_subscription_count() == 0
 
     seen = world.receive(MarkerArray, TOPIC, qos.MARKERS)

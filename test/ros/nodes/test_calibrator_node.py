@@ -436,7 +436,7 @@ def test_one_job_at_a_time_and_an_end_when_nobody_reaches_supports(
     supports.end()
     alone = calibrate(world, supports=2, train=2).result()
     assert alone.error_code == Calibrate.Result.SUPPORT_FAILED
-    assert "nobody offers the action robot/reach_support" in alone.message
+    assert "no node offers the action robot/reach_support" in alone.message
 
 
 def test_a_job_is_cancelled_at_once(world: World, robot: StandingRobot) -> None:
@@ -536,7 +536,7 @@ def test_a_simulated_calibration_is_not_put_in_force_on_a_robot(live: World) -> 
 
 
 def test_reasons_of_a_refusal_come_back(live: World) -> None:
-    for verdict, reported in (("WARN", "with force"), ("FAIL", "calibrate anew")):
+    for verdict, reported in (("WARN", "with force"), ("FAIL", "calibrate again")):
         refused = set_calibration(live, identity="made-2", verdict=verdict, reasons=("a", "b"))
         assert not refused.success
         assert refused.error_code == SetCalibration.Response.NOT_APPLICABLE

@@ -72,7 +72,7 @@ def test_a_node_that_is_started_twice_is_told(world: World) -> None:
     assert reported.level == b"\x02"
     assert "stop one of them" in reported.message
     world.stop("twin")
-    world.until_reported("model", "peers", "nobody on this node's topics stands in its way")
+    world.until_reported("model", "peers", "no conflict on this node's topics")
 
 
 def test_a_second_sender_is_a_warning_until_it_contradicts(world: World) -> None:
@@ -109,7 +109,7 @@ def test_a_second_sender_is_a_warning_until_it_contradicts(world: World) -> None
 
     # Its name is known a little later than it itself.
     status = reported("peers", "'/player'", same)
-    assert "publish /joint_states; where they tell the same joints" in status.message
+    assert "publish /joint_states; where they send the same joints" in status.message
     assert status.level == b"\x01"
     assert reported("joints", "joint angles come", same).level == b"\x00"
     used()

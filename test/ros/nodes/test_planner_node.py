@@ -161,16 +161,16 @@ def test_a_robot_that_does_not_follow_is_told_to_hold(still: World) -> None:
 
 def test_nothing_is_sent_while_nobody_listens(still: World) -> None:
     arm(still)
-    still.until_reported("planner", "commands", "nobody listens to /joint_trajectory")
+    still.until_reported("planner", "commands", "no node subscribes to /joint_trajectory")
     recorder = still.companion("calibrator")
     recorder.create_subscription(JointTrajectoryMsg, "joint_trajectory", print, qos.COMMAND)
     still.until_discovered_by("planner", recorder)
     # By its name, too.
     still.forget("planner")
-    still.until_reported("planner", "commands", "nobody listens to /joint_trajectory")
+    still.until_reported("planner", "commands", "no node subscribes to /joint_trajectory")
     result = plan(still, send=True).result()
     assert result.error_code == Plan.Result.NOT_FOLLOWED
-    assert "not begun: nobody listens to /joint_trajectory" in result.message
+    assert "not begun: no node subscribes to /joint_trajectory" in result.message
     robot = still.companion("robot")
     robot.create_subscription(JointTrajectoryMsg, "joint_trajectory", print, qos.COMMAND)
     still.until_reported("planner", "commands", "goes to '/robot'")
@@ -179,7 +179,7 @@ def test_nothing_is_sent_while_nobody_listens(still: World) -> None:
     still.dismiss(robot)
     result = goal.result()
     assert result.error_code == Plan.Result.NOT_FOLLOWED
-    assert "stopped: nobody listens to /joint_trajectory" in result.message
+    assert "stopped: no node subscribes to /joint_trajectory" in result.message
 
 
 def test_one_motion_at_a_time_and_cancelling_while_planning(world: World) -> None:

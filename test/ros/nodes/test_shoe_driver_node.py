@@ -54,7 +54,7 @@ def _send_one(device: SimulatedDevice, sequence: int) -> bool:
 
 
 def connect(world: World, device: SimulatedDevice, heard: Received) -> int:
-    """Send frames until messages come: what nobody listens to yet is lost; the next sequence."""
+    """Send frames until messages come: the first ones have no subscriber; the next sequence."""
     sequence = count()
 
     def heard_of() -> bool:

@@ -258,6 +258,6 @@ def test_a_listener_that_hangs_is_named_until_it_is_gone(world: World) -> None:
         world.start("simulator", {"port": world.folder / "port", "rate": 1000.0, "speed": 20.0})
         reported = world.until_reported("simulator", "listeners", "takes nothing")
         assert reported.level == bytes([Level.WARN])
-        assert reported.message.startswith("'/hanging' listens to /joint_states"), "nobody else"
+        assert reported.message.startswith("'/hanging' subscribes to /joint_states"), "nobody else"
         assert {pair.key: pair.value for pair in reported.values}["code"] == Code.LISTENER_HANGS
-    world.until_reported("simulator", "listeners", "nobody who listens hangs")
+    world.until_reported("simulator", "listeners", "no subscriber hangs")

@@ -120,7 +120,7 @@ def test_a_clock_that_does_not_run_is_told_as_such(
         clock.seconds = 0.0
         device.send(sequence, 10_000 + 10_000 * sequence, [1, 2], [0, 0])
         assert driver.read(1.0) == []
-        assert "the clock stands still; start what tells /clock" in str(driver.status().problem)
+        assert "the clock stands still; start what publishes /clock" in str(driver.status().problem)
         clock.seconds = 0.02
         device.send(sequence + 1, 20_000 + 10_000 * sequence, [1, 2], [0, 0])
         assert len(read(driver, 1)) == 1

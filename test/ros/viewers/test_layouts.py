@@ -103,8 +103,8 @@ def test_foxglove_panels_are_those_of_its_arrangement() -> None:
 def test_a_missing_topic_is_told_with_what_looks_like_it(tmp_path: Path) -> None:
     file = foxglove(tmp_path, "/shoe/copp.point.x", "/elsewhere.data")
     near, none = misfits(file, {"/shoe/cop": POINT})
-    assert near.endswith("Plot: /shoe/copp.point.x: nobody publishes this topic; perhaps /shoe/cop")
-    assert none.endswith("Plot: /elsewhere.data: nobody publishes this topic")
+    assert near.endswith("copp.point.x: no node publishes this topic; perhaps /shoe/cop")
+    assert none.endswith("Plot: /elsewhere.data: no node publishes this topic")
 
 
 @pytest.mark.parametrize(
@@ -131,7 +131,7 @@ def test_plotjuggler_writes_topics_and_fields_alike(tmp_path: Path) -> None:
     (reported,) = misfits(plotjuggler(tmp_path, "/shoe/left/cop/points/x"), topics)
     assert "has no field 'points'" in reported
     (gone,) = misfits(plotjuggler(tmp_path, "/other/point/x"), topics)
-    assert "nobody publishes this topic" in gone
+    assert "no node publishes this topic" in gone
 
 
 def test_a_display_of_another_type_is_told(tmp_path: Path) -> None:
@@ -167,7 +167,7 @@ def test_the_command_tells_what_is_not_there(
 ) -> None:
     file = foxglove(tmp_path, "/nobody/has/this.x")
     assert check_layouts.main([str(file), "--wait", "0"]) == 1
-    assert "nobody publishes this topic" in capsys.readouterr().err
+    assert "no node publishes this topic" in capsys.readouterr().err
     assert check_layouts.main([str(tmp_path / "none.json"), "--wait", "0"]) == 1
     assert "none.json" in capsys.readouterr().err
     assert check_layouts.main([str(foxglove(tmp_path, "/rosout.msg")), "--wait", "2"]) == 0

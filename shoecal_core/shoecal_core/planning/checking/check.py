@@ -216,7 +216,7 @@ def _swing_foot(
 
     One that is carried along comes as high as it shall, however much the joints sag.
     """
-    # The motion's begin leads: a foot may be put down again where it stood.
+    # The motion's start leads: a foot may be put down again where it stood.
     samples = np.concatenate([[0], np.arange(span.samples.start, span.samples.stop)])
     corners, gaps = _air(legs, span, body, samples)
     lowest = corners[..., 2].min(axis=1)
@@ -248,7 +248,7 @@ def _swing_foot(
 def _air(
     legs: Legs, span: _Span, body: BodyTrack, samples: NDArray[np.int64]
 ) -> tuple[FloatArray, FloatArray]:
-    """Corners (t, c, 3) of the foot in the air over the other's floor, gaps (t,) beside it [m]."""
+    """Corners (t, c, 3) of the lifted foot over the other's floor, gaps (t,) to its side [m]."""
     left, right = (
         np.column_stack([foot.outline, np.zeros(len(foot.outline))]) for foot in legs.robot.feet
     )
@@ -310,7 +310,7 @@ def _torque(
     robot = legs.robot
     most = robot.effort_limit[robot.legs]
     held, margin = np.abs(body.torques), MARGIN_KEPT * body.spread.torque
-    # Of a begin beyond the limit the torque must not grow; its interval may.
+    # From a start beyond the limit the torque must not grow; its interval may.
     begin = held[0] + margin.max(axis=0)
     limit = np.maximum(most * settings.torque_share, begin) * _TORQUE_SLACK
     limit = np.minimum(limit, most)
@@ -319,7 +319,7 @@ def _torque(
 
 def _tilt(legs: Legs, body: BodyTrack, time: FloatArray) -> ConstraintMargin:
     tilt = np.arccos(np.clip(body.up[:, 2:], -1.0, 1.0))
-    # Of a begin that leans farther the tilt must not grow.
+    # From a start that leans farther the tilt must not grow.
     limit = np.maximum(legs.robot.tilt_max, tilt[0]) * _TILT_SLACK
     return at_most("tilt of the torso", "rad", tilt, limit, time)
 

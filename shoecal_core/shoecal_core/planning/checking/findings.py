@@ -25,8 +25,8 @@ class ConstraintMargin:
         value: the worst.
         limit: that it must keep.
         excess: how far the value is beyond the limit; negative where it is kept.
-        time: of the worst, from the motion's begin [s].
-        where: joint, capsules or foot; empty where there is nothing to tell.
+        time: of the worst, from the motion's start [s].
+        where: joint, capsules or foot; empty where there is nothing to report.
         rate: whether doing the same more slowly makes the value smaller.
     """
 
@@ -127,7 +127,7 @@ def at_least(
 ) -> ConstraintMargin:
     """The worst of values (T, n) that must not fall below a limit.
 
-    Where a motion begins outside of it, not below their own begin less a slack. What is no number
+    Where a motion begins outside of it, not below their own start less a slack. What is no number
     falls below any.
     """
     allowed = (

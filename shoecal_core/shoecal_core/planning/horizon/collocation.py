@@ -15,7 +15,7 @@
 The last five are not the paper's: a small robot's motors are slow and weak, and a foot without load
 slips. Loads, sideways forces and torques are those of load_sharing; loads and torques keep half the
 width of their interval as a margin. For motions that the paper does not have, the torso's lean and
-height may be pursued beside the CoP, and polygon and foot transform may change from state to state:
+height may be pursued with the CoP, and polygon and foot transform may change from state to state:
 so a foot is lifted, carried and put down.
 
 The transitions u are differences of states, so the states alone are unknowns and the state

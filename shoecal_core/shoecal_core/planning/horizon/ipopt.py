@@ -61,7 +61,7 @@ def horizon_nlp(collocation: Collocation, symbols: type[Expression]) -> dict[str
 
 
 def ipopt_options(settings: PlannerSettings) -> dict[str, bool | int | float | str]:
-    """What CasADi's nlpsol is told beside the problem."""
+    """Options of CasADi's nlpsol."""
     return _OPTIONS | {"ipopt.max_iter": settings.iterations}
 
 
@@ -85,7 +85,7 @@ class IpoptSolver:
         )
 
     def solve(self, problem: HorizonProblem, guess: FloatArray) -> HorizonSolution:
-        """See Solver."""
+        """States (N, k) from a guess of them (N, k) [rad]; see Solver."""
         scene, aim = problem.scene.padded(self._edges), problem.aim
         problem = dataclasses.replace(problem, scene=scene)
         limits = self._collocation.limits(problem)

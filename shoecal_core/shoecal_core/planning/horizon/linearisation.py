@@ -123,7 +123,7 @@ class Inequalities:
         self.high = np.hstack([edges, free_above, torque, limits.upper, move])
 
     def values(self, linear: Linearised) -> FloatArray:
-        """(N, r) of the rows."""
+        """(N, r) of the rows, in their units [m, N, N m, rad]."""
         states = linear.states
         values = np.empty_like(self.low)
         pairs, size = linear.values.distances.shape[1], states.shape[1]

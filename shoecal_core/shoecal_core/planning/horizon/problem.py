@@ -34,7 +34,7 @@ class Scene:
         normals: (n, h, 2) outward, of the edges of where the CoP may be.
         offsets: (n, h) a CoP c is inside where normals @ c <= offsets [m].
         loaded: (n, 2) whether left, right have to keep load and grip.
-        others: (m,) all joint angles, of which those beside the legs count [rad].
+        others: (m,) all joint angles, of which those outside the legs count [rad].
     """
 
     foot_poses: FloatArray
@@ -54,7 +54,7 @@ class Scene:
         share: tuple[float, float] = (0.0, 1.0),
         loaded: tuple[bool, bool] = (True, True),
     ) -> Scene:
-        """Half planes of a convex polygon, moved inwards by a margin [m]."""
+        """One state, its convex polygon moved inwards by a margin [m]; others (m,) [rad]."""
         if polygon.buffer(-margin).is_empty:
             raise SettingError(
                 "stability_margin", f"{margin:g} m leaves nothing of the sensing polygon; lower it"

@@ -77,7 +77,7 @@ class NewtonStep:
 class QuadraticProgram:
     """Solves programs of one shape, one after another: memory is used again.
 
-    Where the active rows cannot be told from those before, DAQP finds them. On the programs of a
+    Where the active rows cannot be guessed from those before, DAQP finds them. On the programs of a
     NAO's motions (50 unknowns, 460 rows, processor time, medians) it took 0.4 ms, qpOASES 1.9,
     ProxQP 5.5, PIQP 12 and OSQP 90; the last two failed in a tenth of them.
 
@@ -146,7 +146,7 @@ class QuadraticProgram:
 
         Args:
             problem: whose cost.
-            linear: where to begin.
+            linear: where to start, states (N, k) [rad].
             inequalities: to be kept.
             before: the step that led there; the same rows are thought to be active.
             curvature: (N, k, k) what the constraints and the way to the target add to the
@@ -164,7 +164,7 @@ class QuadraticProgram:
         return NewtonStep(change, float(gain), self._prices.copy(), linear, feet)
 
     def nearest(self, linear: Linearised, inequalities: Inequalities) -> FloatArray:
-        """(N, k) shortest change that keeps everything to first order.
+        """(N, k) shortest change that keeps everything to first order [rad].
 
         Where none does, the shortest that puts the feet right.
         """

@@ -150,7 +150,7 @@ class Pursuit:
         return False
 
     def skip(self, now: FloatArray) -> None:
-        """Take the next target; its distance is taken anew from where the robot is (n,)."""
+        """Take the next target; its distance counts from where the robot is now (n,)."""
         self.index += 1
         self._begin(now)
 
@@ -218,8 +218,8 @@ class RollingHorizon:
         Args:
             start: where the robot stands.
             segment: what to pursue and to keep.
-            others: (m,) all joint angles, of which those beside the legs count [rad].
-            progress: told before every optimisation.
+            others: (m,) all joint angles, of which those outside the legs count [rad].
+            progress: called before every optimisation.
             canceled: asked before every optimisation.
 
         Raises:

@@ -68,7 +68,7 @@ class SqpSolver:
         self._program = QuadraticProgram(count, size, rows, settings.transition_weight)
 
     def solve(self, problem: HorizonProblem, guess: FloatArray) -> HorizonSolution:
-        """See Solver."""
+        """States (N, k) from a guess of them (N, k) [rad]; see Solver."""
         collocation = self._collocation
         problem = dataclasses.replace(problem, scene=problem.scene.padded(self._edges))
         limits = collocation.limits(problem)
@@ -136,6 +136,7 @@ class _Descent:
         self.arrived = self.nearly = False
 
     def begin(self, states: FloatArray) -> None:
+        """Start from states (N, k) [rad]."""
         self.linear, cost, violation = self._at(states)
         self._filter.append((cost, violation))
 

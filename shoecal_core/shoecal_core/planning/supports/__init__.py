@@ -1,1 +1,1 @@
-"""Double supports: which are feasible, which to visit, what they will tell."""
+"""Double supports: which are feasible, which to visit, what they identify."""

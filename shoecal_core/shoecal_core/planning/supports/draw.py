@@ -18,13 +18,13 @@ from shoecal_core.shoe.shoe import Shoe
 
 FloatArray = NDArray[np.float64]
 
-Told = Callable[[int, int], None]
-"""Hears how many double supports have been tried, and how many will be at most."""
+SearchProgress = Callable[[int, int], None]
+"""Takes how many double supports have been tried, and how many will be at most."""
 
 _TRIES = 25
 """Double supports tried for each one wanted; a robot that stands in fewer is hardly fit for it."""
-_TOLD = 20
-"""Tries from word to word."""
+_REPORT_EVERY = 20
+"""Tries between two calls of the progress function."""
 _CANDIDATES = 6
 """Draws from which the double support farthest from those kept is taken."""
 _REDRAWS = 100
@@ -56,10 +56,12 @@ class UnobservableError(ShoecalError):
 class _Search:
     """Looks for double supports that a robot can be asked to visit, in random order."""
 
-    def __init__(self, feasible: Feasible, generator: np.random.Generator, told: Told) -> None:
+    def __init__(
+        self, feasible: Feasible, generator: np.random.Generator, progress: SearchProgress
+    ) -> None:
         self.feasible = feasible
         self._untried = feasible.shuffled(generator)
-        self._told = told
+        self._progress = progress
 
     def pool(self, count: int, size: int) -> list[DoubleSupport]:
         """As many as `size` if they are found soon, at least `count`.
@@ -78,8 +80,8 @@ class _Search:
         found: list[DoubleSupport] = []
         most = _TRIES * wanted
         for tried, support in enumerate(itertools.islice(self._untried, most)):
-            if tried % _TOLD == 0:
-                self._told(tried, most)
+            if tried % _REPORT_EVERY == 0:
+                self._progress(tried, most)
             if self.feasible.can_stand(support):
                 found.append(support)
                 if len(found) == wanted:
@@ -93,7 +95,7 @@ def draw_supports(
     settings: PlannerSettings,
     count: int,
     seed: int,
-    told: Told = lambda _tried, _most: None,
+    progress: SearchProgress = lambda _tried, _most: None,
 ) -> list[DoubleSupport]:
     """Draw `count` double supports, the same ones for the same seed.
 
@@ -106,7 +108,7 @@ def draw_supports(
         robot, shoe, settings: who visits them.
         count: how many.
         seed: of the draw.
-        told: hears of the search.
+        progress: called during the search.
 
     Raises:
         SupportRangeError: when the range holds fewer than `count`, or hardly any.
@@ -115,7 +117,7 @@ def draw_supports(
     if count < 1:
         raise ShoecalError(f"{count} double supports asked for; ask for at least one")
     generator = np.random.default_rng(seed)
-    search = _Search(Feasible(robot, settings), generator, told)
+    search = _Search(Feasible(robot, settings), generator, progress)
     pool = search.pool(count, settings.support_pool)
     if count < settings.training_supports:
         return _spread(pool, count, settings, generator)
@@ -164,7 +166,12 @@ def trained_supports(count: int, settings: PlannerSettings) -> int:
 
 
 def weakest_rank(parts: Sequence[FloatArray], settings: PlannerSettings) -> int:
-    """Directions fixed by the information of double supports, the most telling ones left out."""
+    """Number of directions that are identifiable without the most informative double supports.
+
+    Args:
+        parts: (2n, 2n) information of each double support.
+        settings: of planning.
+    """
     trained = trained_supports(len(parts), settings)
     return min(
         rank(np.sum(chosen, axis=0), settings) for chosen in itertools.combinations(parts, trained)

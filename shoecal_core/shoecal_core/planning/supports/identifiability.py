@@ -122,7 +122,7 @@ def best_addition(
 ) -> DoubleSupport | None:
     """The double support of the robot's range that makes the worst direction least uncertain.
 
-    None where the robot can stand in none. Arguments as of `identifiability`.
+    None where the robot can stand in none. Arguments, `known` (2n, 2n), as of `identifiability`.
     """
     feasible = Feasible(robot, settings)
     everywhere = feasible.apart()

@@ -1,10 +1,10 @@
-"""What a set of double supports will tell about the gains and offsets of the channels.
+"""How well a set of double supports identifies the gains and offsets of the channels.
 
 Measured GRF and CoP are compared with the robot's weight and CoM. A relative gain error g_i
 and an offset error o_i of channel i, whose output is f_i, act together as f_i g_i + o_i. So the
 residuals' Jacobian can be predicted from outputs alone, before anything has been recorded: they
 are taken as those of a rigid body on equal springs under all channels, give or take UNEVEN_SHARE,
-without which a real robot would tell more of its gains than foretold. (In a fit,
+without which a real robot would show more of its gains than predicted. (In a fit,
 where f_i = c_i S_i + d_i, a relative gain error acts on c_i S_i alone. Its offset error is
 o_i + d_i g_i in terms of those here.)
 
@@ -35,7 +35,7 @@ from shoecal_core.shoe.wrench import ChannelParameters, at_cop, columns_in_left
 FloatArray = NDArray[np.float64]
 
 _REFERENCE = ((0.0, -0.02, 0.4), (0.05, -0.03, -0.4), (-0.03, -0.02, 0.0), (0.02, -0.04, 0.2))
-"""m, m, rad beside the neutral stance: far apart, whatever the robot's range."""
+"""m, m, rad from the neutral stance: far apart, whatever the robot's range."""
 PLACES = 40
 """CoP places of a double support."""
 FORCE_STD_N, COP_STD_M, CORRELATION_S = 0.3, 0.0025, 2.0
@@ -216,7 +216,7 @@ def _rounding(eigenvalues: NDArray[np.floating[Any]]) -> float:
 
 
 def rank(total: FloatArray, settings: PlannerSettings) -> int:
-    """How many directions the information fixes within `fixed_below`."""
+    """Number of directions that information (2n, 2n) fixes within `fixed_below`."""
     return int(np.sum(uncertainties(total) < settings.fixed_below))
 
 
@@ -235,7 +235,7 @@ def reference_information(
 def best_rank(robot: Robot, shoe: Shoe, count: int, settings: PlannerSettings) -> int:
     """The most directions that `count` double supports can fix, were all of them allowed.
 
-    Gains and offsets are never all of them: four cells under a stiff plate, say, cannot tell
+    Gains and offsets are never all of them: four cells under a stiff plate, say, cannot show
     the offset pattern + - - +, as it changes neither force nor CoP.
     """
     return rank(reference_information(robot, shoe, count, settings), settings)

@@ -30,7 +30,7 @@ class Expected:
 
     @classmethod
     def of(cls, deviations: FloatArray) -> Expected:
-        """Of standard deviations (p,)."""
+        """Of standard deviations (p,) [N or m]."""
         return cls(float(np.sqrt(np.mean(deviations**2))), float(np.max(deviations)))
 
 
@@ -90,6 +90,7 @@ def polygon_error(
     """
 
     def readings(outputs: FloatArray) -> FloatArray:
+        """Readings (..., n) of outputs (..., n), in the channels' units."""
         return outputs if parameters is None else (outputs - parameters.offset) / parameters.gain
 
     support = DoubleSupport(*(float(value) for value in robot.support_range.neutral))

@@ -65,12 +65,12 @@ def added_variables(
             axes.yaxis.set_label_coords(-40.0 / (WIDTH - LEFT - 8.0), 0.5)
             axes.tick_params(labelbottom=index == len(candidates) - 1)
         axes.set_xlabel(f"what it changes ({unit})")
-        told = "; ".join(
+        listed = "; ".join(
             f"{one.label}: slope {slope(one.change, one.before):.2f} without, "
             f"{slope(one.change, one.after):.2f} with it"
             for one in candidates
         )
-        return page.svg(f"Residual of the {signal} against what candidates change in it. {told}.")
+        return page.svg(f"Residual of the {signal} against what candidates change in it. {listed}.")
 
 
 def _ends(values: Sequence[FloatArray]) -> tuple[float, float]:
@@ -82,7 +82,7 @@ def _ends(values: Sequence[FloatArray]) -> tuple[float, float]:
 
 
 def slope(change: FloatArray, values: FloatArray) -> float:
-    """Of the line through the origin that fits best; 0 where nothing changes."""
+    """Slope of the best line through the origin for points (T,), (T,); 0 where nothing changes."""
     square = float(change @ change)
     return float(change @ values) / square if square > 0.0 else 0.0
 

@@ -149,7 +149,7 @@ def _set_keys(bars: Sequence[Bar]) -> list[Artist]:
 
 
 def _alt(bars: Sequence[Bar], marks: Sequence[BarMark]) -> str:
-    told = (
+    listed = (
         f"{readable(bar.group)}, {readable(bar.label)}, {'test' if bar.test else 'training'}: "
         f"GRF {bar.grf.mean:.2f} N, CoP {1e3 * bar.cop.mean:.2f} mm"
         for bar in bars
@@ -158,4 +158,4 @@ def _alt(bars: Sequence[Bar], marks: Sequence[BarMark]) -> str:
         f" Bars {mark.first + 1} and {mark.second + 1}: GRF {mark.grf}, CoP {mark.cop}."
         for mark in marks
     )
-    return f"Mean absolute errors. {'; '.join(told)}.{compared}"
+    return f"Mean absolute errors. {'; '.join(listed)}.{compared}"

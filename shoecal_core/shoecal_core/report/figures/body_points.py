@@ -131,9 +131,9 @@ def sole(
     side: int, look: str, motion_points: BodyPoints, view: PlayerView, frame: int, style: str = ""
 ) -> str:
     """Outline of one foot, which the script marks while it is in the air."""
-    aloft = " lifted" if motion_points.lifted[frame] == FEET[side] else ""
-    told = f'data-foot="{FEET[side]}" class="{look}{aloft}"{style}'
-    return shape("area", motion_points.soles[side], motion_points, view, frame, told)
+    lifted = " lifted" if motion_points.lifted[frame] == FEET[side] else ""
+    attributes = f'data-foot="{FEET[side]}" class="{look}{lifted}"{style}'
+    return shape("area", motion_points.soles[side], motion_points, view, frame, attributes)
 
 
 def line(points: FloatArray) -> str:
@@ -147,7 +147,7 @@ def area(points: FloatArray) -> str:
 
 
 def flat(points: FloatArray) -> FloatArray:
-    """Points (n, 2) as points (n, 3) on the floor."""
+    """Points (n, 2) as points (n, 3) on the floor [m]."""
     return np.column_stack((points, np.zeros(len(points))))
 
 

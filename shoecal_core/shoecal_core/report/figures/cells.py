@@ -57,8 +57,8 @@ def cell_residuals(cells: Sequence[CellLine]) -> str:
         axes.set_ylabel("Δ force (mN)")
         axes.yaxis.set_label_coords(-0.115, 0.5)
         axes.set_xlabel("mass on the cell (kg)")
-        told = ", ".join(
+        listed = ", ".join(
             f"{readable(cell.label)} {1e3 * float(np.abs(cell.residuals).max()):.1f}"
             for cell in cells
         )
-        return page.svg(f"Single cells off their lines, at most [mN]: {told}.")
+        return page.svg(f"Single cells off their lines, at most [mN]: {listed}.")

@@ -81,7 +81,7 @@ def error_map(maps: Sequence[ErrorMap], levels: FloatArray) -> str:
 
     Args:
         maps: one a panel.
-        levels: borders of the colours; see `common_levels` [mm].
+        levels: (c,) borders of the colours; see `common_levels` [mm].
     """
     extents = [_extent(one) for one in maps]
     span = np.max([high - low for low, high in extents], axis=0)
@@ -104,10 +104,10 @@ def error_map(maps: Sequence[ErrorMap], levels: FloatArray) -> str:
             if index == 0:
                 axes.set_ylabel("x, forward (mm)")
                 axes.yaxis.set_label_coords(-38.0 / width, 0.5)
-        return page.svg(f"Expected error of the CoP seen from above. {_told(maps)}.")
+        return page.svg(f"Expected error of the CoP seen from above. {_summary(maps)}.")
 
 
-def _told(maps: Sequence[ErrorMap]) -> str:
+def _summary(maps: Sequence[ErrorMap]) -> str:
     parts = []
     for one in maps:
         lengths = one.known[:, 2]
@@ -180,7 +180,7 @@ def _raster(known: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Axes (r,) and lengths (r, r) over the box around places and lengths (k, 3) [mm].
 
     As long as all feet are loaded, the square of the length is a polynomial of the place: readings
-    and the slopes of the CoP are both linear in it. Few places therefore tell all of it.
+    and the slopes of the CoP are both linear in it. Few places therefore determine it.
     """
     low, high = known[:, :2].min(axis=0), known[:, :2].max(axis=0)
     half = np.maximum((high - low) / 2.0, 1e-9)
@@ -188,6 +188,7 @@ def _raster(known: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     powers = [(i, j) for i in range(degree + 1) for j in range(degree + 1 - i)]
 
     def terms(x: FloatArray, y: FloatArray) -> FloatArray:
+        """(..., p) monomials of places (...)."""
         return np.stack([x**i * y**j for i, j in powers], axis=-1)
 
     scaled = (known[:, :2] - low) / half - 1.0

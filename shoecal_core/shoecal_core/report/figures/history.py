@@ -60,8 +60,8 @@ def history_figure(days: FloatArray, tracks: Sequence[ChannelTrack], label: str)
         axes.margins(x=0.05, y=0.12)
         axes.set_ylabel(label)
         axes.set_xlabel("days since the first calibration")
-        told = "; ".join(
+        listed = "; ".join(
             f"{readable(one.label)} {', '.join(f'{value:.4g}' for value in one.value)}"
             for one in tracks
         )
-        return page.svg(f"{label} over time. {told}.")
+        return page.svg(f"{label} over time. {listed}.")

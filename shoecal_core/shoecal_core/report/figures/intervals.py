@@ -1,4 +1,4 @@
-"""Estimates of many channels with their intervals, beside each other."""
+"""Estimates of many channels with their intervals, side by side."""
 
 from __future__ import annotations
 
@@ -66,14 +66,14 @@ def intervals(
             axes.set_yticks(rows, labels if index == 0 else [""] * len(rows))
             axes.tick_params(axis="y", length=0.0, labelcolor=INK.light)
             axes.locator_params(axis="x", nbins=3)
-            axes.xaxis.set_major_formatter(FuncFormatter(_told))
+            axes.xaxis.set_major_formatter(FuncFormatter(_tick))
             axes.margins(x=0.08)
             axes.set_xlabel(readable(column.label))
-        told = "; ".join(
+        listed = "; ".join(
             f"{label}: " + ", ".join(f"{c.label} {c.value[row]:.4g}" for c in columns)
             for row, label in enumerate(labels)
         )
-        return page.svg(f"Estimates with 95 % intervals. {told}.")
+        return page.svg(f"Estimates with 95 % intervals. {listed}.")
 
 
 def _keys(columns: Sequence[IntervalColumn], start: str) -> list[Line2D]:
@@ -89,5 +89,5 @@ def _keys(columns: Sequence[IntervalColumn], start: str) -> list[Line2D]:
     return keys
 
 
-def _told(value: float, _: object) -> str:
+def _tick(value: float, _: object) -> str:
     return true_minus(f"{value:.4g}")

@@ -68,10 +68,10 @@ def left_out_in_time(runs: Sequence[RunSpan]) -> str:
         axes.set_yticks(range(len(runs)), [readable(run.label) for run in runs])
         axes.tick_params(axis="y", length=0.0, labelcolor=INK.light)
         axes.set_xlabel("time since the run's start (s)")
-        told = "; ".join(
+        listed = "; ".join(
             f"{run.label}: "
             + (", ".join(f"{cause} {len(found)} ×" for cause, found in run.stretches.items())
                or "nothing")
             for run in runs
         )  # fmt: skip
-        return page.svg(f"When samples were left out. {told}.")
+        return page.svg(f"When samples were left out. {listed}.")

@@ -78,8 +78,8 @@ def lever_map(maps: Sequence[LeverMap]) -> str:
             if index == 0:
                 axes.set_ylabel("x, forward (mm)")
                 axes.yaxis.set_label_coords(-38.0 / width, 0.5)
-        told = "; ".join(f"{one.shape.label} foot: {one.note}" for one in maps)
-        return page.svg(f"Density of lever points over the soles. {told}.")
+        listed = "; ".join(f"{one.shape.label} foot: {one.note}" for one in maps)
+        return page.svg(f"Density of lever points over the soles. {listed}.")
 
 
 def _draw(axes: Axes, one: LeverMap, greatest: float) -> None:

@@ -20,7 +20,7 @@ from shoecal_core.report.svg import WIDTH, canvas
 FloatArray = NDArray[np.float64]
 
 MARKERS = "os^DvPX"
-"""One a weight, beside its colour."""
+"""One for each weight, in addition to its colour."""
 TOP, LEFT = 40.0, 52.0
 HIGHEST = 400.0
 

@@ -87,7 +87,7 @@ def skeleton(robot: Robot, joint_angles: FloatArray, stance: int | None = None) 
 
 
 def snapshots(skeletons: Sequence[Skeleton], times: Sequence[float]) -> str:
-    """Instants beside each other: from the robot's right above, from its front below.
+    """Instants side by side: from the robot's right above, from its front below.
 
     The dashed line leads from the CoM to its ground projection.
     """

@@ -104,7 +104,7 @@ def field_between(
         axes.set_ylabel("x, forward (mm)")
         axes.yaxis.set_label_coords(-38.0 / width, 0.5)
         axes.set_xlabel("y, to the left (mm)")
-        return page.svg(f"CoP error seen from above. {_told(arrows)}")
+        return page.svg(f"CoP error seen from above. {_summary(arrows)}")
 
 
 def field_under_feet(soles: Sequence[SoleOutline], look: Look, times: float, largest: float) -> str:
@@ -143,8 +143,8 @@ def field_under_feet(soles: Sequence[SoleOutline], look: Look, times: float, lar
             if index == 0:
                 axes.set_ylabel("x, forward (mm)")
                 axes.yaxis.set_label_coords(-38.0 / width, 0.5)
-        told = " ".join(f"{one.shape.label}: {_told(one.arrows)}" for one in soles)
-        return page.svg(f"CoP and GRF error under each foot. {told}")
+        listed = " ".join(f"{one.shape.label}: {_summary(one.arrows)}" for one in soles)
+        return page.svg(f"CoP and GRF error under each foot. {listed}")
 
 
 def _arrow_key(look: Look, times: float) -> Line2D:
@@ -188,7 +188,7 @@ def _extent(points: Sequence[FloatArray]) -> tuple[FloatArray, FloatArray]:
     return every.min(axis=0) - MARGIN_MM, every.max(axis=0) + MARGIN_MM
 
 
-def _told(arrows: Arrows) -> str:
+def _summary(arrows: Arrows) -> str:
     lengths = 1e3 * np.linalg.norm(arrows.vectors, axis=1)
     if not len(lengths):
         return "No sample."

@@ -84,8 +84,8 @@ def run_lines(
                        fontsize=SMALL)  # fmt: skip
             page.write(WIDTH - 4.0, middle, _rms_text(row), ha="right", va="center",
                        fontsize=SMALL)  # fmt: skip
-        told = "; ".join(f"{row.label} {_rms_text(row)}" for row in rows)
-        return page.svg(f"Residual of {name} against time [s], RMS by run [{unit}]: {told}.")
+        listed = "; ".join(f"{row.label} {_rms_text(row)}" for row in rows)
+        return page.svg(f"Residual of {name} against time [s], RMS by run [{unit}]: {listed}.")
 
 
 def _others(rows: Sequence[RunLine]) -> list[Artist]:

@@ -40,6 +40,7 @@ def joined(parts: Sequence[Series]) -> Series:
     ordered = sorted(parts, key=lambda part: float(part.time[0]))
 
     def all_of(name: str) -> FloatArray:
+        """(T, ...) values of all parts."""
         pieces: list[FloatArray] = []
         for part in ordered:
             values = getattr(part, name)

@@ -37,7 +37,7 @@ def share_bars(shares: Sequence[Share], what: str) -> str:
 
     Args:
         shares: in the order shown.
-        what: is told, for those who do not see it.
+        what: it shows, as a text for screen readers.
     """
     kinds = {share.kind: share.colour for share in shares if share.kind}
     top = TOP if kinds else 2.0
@@ -60,8 +60,8 @@ def share_bars(shares: Sequence[Share], what: str) -> str:
             page.write(2.0, top + middle - 9.0, readable(share.label, 70))
             page.write(WIDTH - 4.0, top + middle, percent(share.value), ha="right", va="center",
                        fontsize=SMALL + 1.0)  # fmt: skip
-        told = "; ".join(f"{share.label} {percent(share.value)}" for share in shares)
-        return page.svg(f"{what}: {told}.")
+        listed = "; ".join(f"{share.label} {percent(share.value)}" for share in shares)
+        return page.svg(f"{what}: {listed}.")
 
 
 def percent(value: float) -> str:

@@ -1,4 +1,4 @@
-"""How far a gap shrinks: errors before and after, beside what noise alone would leave."""
+"""How far a gap shrinks: errors before and after, next to what noise alone would leave."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def before_and_after(
             for index, pair in enumerate(one.pairs):
                 _name(page, pair, top + ROW * (2 * index + 1))
             top += height + GAP
-        told = "; ".join(
+        listed = "; ".join(
             [f"{one.label}: {100.0 * one.fraction:.0f} % gone" for one in gone]
             + [
                 f"{one.label}, {pair.label}: from {pair.before:.3g} to {pair.after:.3g}"
@@ -97,7 +97,7 @@ def before_and_after(
                 for pair in one.pairs
             ]
         )
-        return page.svg(f"Errors before and after. {told}.")
+        return page.svg(f"Errors before and after. {listed}.")
 
 
 def _name(page: Canvas, one: Pair | Gone, middle: float) -> None:

@@ -55,13 +55,13 @@ def spans(names: Sequence[str], ends: FloatArray, unit: str, usual: float | None
         axes.margins(x=0.04)
         axes.locator_params(axis="x", nbins=6)
         axes.set_xlabel(f"output ({unit})")
-        told = [f"{_short(low)} to {_short(high)}" for low, high in ends.T]
-        for row, text in enumerate(told):
+        texts = [f"{_short(low)} to {_short(high)}" for low, high in ends.T]
+        for row, text in enumerate(texts):
             page.write(
                 WIDTH - 4.0, TOP + ROW * (row + 0.6) * len(names) / (len(names) + 0.2), text,
                 ha="right", va="center", fontsize=SMALL, color=MUTED.light,
             )  # fmt: skip
-        listed = "; ".join(f"{label} {text}" for label, text in zip(labels, told, strict=True))
+        listed = "; ".join(f"{label} {text}" for label, text in zip(labels, texts, strict=True))
         return page.svg(f"Loads seen [{unit}]. {listed}.")
 
 

@@ -30,7 +30,7 @@ class Strip:
         values: (T,).
         low, high: the strip's lower and upper edge.
         limits: drawn across it.
-        told: its most telling number with unit, right of it.
+        number: the one that counts most, with unit, right of it.
         worst: sample that this number is of.
         kept: whether the number is as it should be.
     """
@@ -41,13 +41,17 @@ class Strip:
     low: float
     high: float
     limits: tuple[float, ...]
-    told: str
+    number: str
     worst: int
     kept: bool = True
 
 
 def strips(
-    time: FloatArray, rows: Sequence[Strip], keys: Sequence[tuple[Look, str]], edges: str, told: str
+    time: FloatArray,
+    rows: Sequence[Strip],
+    keys: Sequence[tuple[Look, str]],
+    edges: str,
+    meaning: str,
 ) -> str:
     """One strip a row over the same time.
 
@@ -56,7 +60,7 @@ def strips(
         rows: from above.
         keys: looks and what they mean.
         edges: what a strip's edges are, above the strips.
-        told: what the number right of each strip is.
+        meaning: what the number right of each strip is.
     """
     for row in rows:
         if row.values.shape != time.shape:
@@ -68,7 +72,7 @@ def strips(
     with canvas(TOP + height + BOTTOM) as page:
         page.legend([line_key(look, name) for look, name in keys])
         page.write(left, TOP - 7.0, edges, fontsize=SMALL, color=MUTED.light)
-        page.write(WIDTH - 4.0, TOP - 7.0, told, ha="right", fontsize=SMALL, color=MUTED.light)
+        page.write(WIDTH - 4.0, TOP - 7.0, meaning, ha="right", fontsize=SMALL, color=MUTED.light)
         axes = page.panel(TOP, height, left=left, right=right)
         axes.grid(visible=False)
         axes.spines[:].set_visible(False)
@@ -83,16 +87,17 @@ def strips(
             _draw(axes, time, row, top)
             page.write(left - 5.0, TOP + top + ROW / 2.0, label, ha="right", va="center",
                        fontsize=SMALL)  # fmt: skip
-            page.write(WIDTH - 4.0, TOP + top + ROW / 2.0, row.told, ha="right", va="center",
+            page.write(WIDTH - 4.0, TOP + top + ROW / 2.0, row.number, ha="right", va="center",
                        fontsize=SMALL, color=_mark(row).light)  # fmt: skip
-        listed = "; ".join(f"{label} {row.told}" for label, row in zip(labels, rows, strict=True))
-        return page.svg(f"Against time [s], {edges}; {told}: {listed}.")
+        listed = "; ".join(f"{label} {row.number}" for label, row in zip(labels, rows, strict=True))
+        return page.svg(f"Against time [s], {edges}; {meaning}: {listed}.")
 
 
 def _draw(axes: Axes, time: FloatArray, row: Strip, top: float) -> None:
     """A strip whose upper edge is at a height, in units."""
 
     def height(values: FloatArray) -> FloatArray:
+        """(T,) heights of values on the page."""
         return top + ROW * (row.high - values) / (row.high - row.low)
 
     axes.axhspan(top, top + ROW, facecolor=SOLE.light, edgecolor="none")

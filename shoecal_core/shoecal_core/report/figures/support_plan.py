@@ -45,7 +45,7 @@ class SupportPlan:
     """What is seen from above, in one frame, x forward, y to the left.
 
     Attributes:
-        feet: left and right at the begin.
+        feet: left and right at the start.
         hulls: (h, 2) each, where the CoP may be [m].
         marks: the landmarks, in the order of pursuit.
         radius: within which one counts as reached [m].
@@ -64,7 +64,7 @@ class SupportPlan:
 
 
 def support_plan(plan: SupportPlan) -> str:
-    """The plan from above; colours tell the time."""
+    """The plan from above; colours show the time."""
     points = np.vstack(
         [
             plan.cop,
@@ -104,10 +104,10 @@ def support_plan(plan: SupportPlan) -> str:
 
 def _alt(plan: SupportPlan) -> str:
     missed = [f"landmark {mark.label}" for mark in plan.marks if mark.missing]
-    told = "; ".join(missed) or "all reached"
+    reached = "; ".join(missed) or "all reached"
     return (
         "Planned motion seen from above: soles, sensing polygons, their hull, "
-        f"{len(plan.marks)} landmarks in the order of pursuit ({told}), and the CoP's path "
+        f"{len(plan.marks)} landmarks in the order of pursuit ({reached}), and the CoP's path "
         f"over {plan.time[-1]:.1f} s"
         + (f", with {len(plan.swings)} ways of a lifted foot." if plan.swings else ".")
     )

@@ -1,4 +1,4 @@
-"""A robot's body as shapes: as much of each link as its mass tells, feet and shoes as they are.
+"""A robot's body as shapes: as much of each link as its mass requires, feet and shoes as they are.
 
 Robot files carry no outer shapes that every robot has, so limbs are drawn as capsules between
 joints, as thick as their mass makes them at one density. Only looks rest on this.

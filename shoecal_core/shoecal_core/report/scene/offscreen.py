@@ -1,7 +1,7 @@
 """Shapes to a picture, by MuJoCo's renderer in a process of its own.
 
 Graphics drivers are chosen by environment before they are loaded, and some end the process when
-there is no screen. So the picture is drawn elsewhere, and where none can be drawn this is told.
+there is no screen. So the picture is drawn elsewhere, and where none can be drawn this is reported.
 """
 
 from __future__ import annotations
@@ -113,8 +113,8 @@ def _ask(request: str, backend: str) -> subprocess.CompletedProcess[str]:
             timeout=PATIENCE, check=False,
         )  # fmt: skip
     except subprocess.TimeoutExpired:
-        told = f"it took longer than {PATIENCE:g} s"
-        return subprocess.CompletedProcess(command, PAINTER_FAILED, "", told)
+        reason = f"it took longer than {PATIENCE:g} s"
+        return subprocess.CompletedProcess(command, PAINTER_FAILED, "", reason)
 
 
 def _to_json(view: Viewpoint) -> dict[str, object]:

@@ -102,12 +102,12 @@ def paint(views: list[dict[str, Any]], fovy: float) -> list[Image.Image]:
     return pictures
 
 
-def _camera(told: dict[str, Any]) -> mujoco.MjvCamera:
+def _camera(view: dict[str, Any]) -> mujoco.MjvCamera:
     camera = mujoco.MjvCamera()
     camera.type = mujoco.mjtCamera.mjCAMERA_FREE
-    camera.lookat[:] = told["target"]
+    camera.lookat[:] = view["target"]
     for name in ("distance", "azimuth", "elevation"):
-        setattr(camera, name, told[name])
+        setattr(camera, name, view[name])
     return camera
 
 
@@ -127,7 +127,7 @@ def main() -> None:
     mujoco.GLContext(8, 8).free()  # whatever ends here ends for want of a driver
     try:
         pictures = _files(asked)
-    except Exception as error:  # noqa: BLE001 - told to the process that asked
+    except Exception as error:  # noqa: BLE001 - reported to the process that asked
         print(" ".join(str(error).split()), file=sys.stderr)
         sys.exit(PAINTER_FAILED)
     json.dump(pictures, sys.stdout)

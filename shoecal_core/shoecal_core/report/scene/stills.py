@@ -1,4 +1,4 @@
-"""A robot in motion: pictures of some instants beside each other, for a page."""
+"""A robot in motion: pictures of some instants side by side, for a page."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def instant(
     stance: int = 0,
     pose: pin.SE3 | None = None,
 ) -> StillInstant:
-    """What `joints_at` and Instant want, together."""
+    """The moment of joint angles (m,) [rad]; arguments of `joints_at` and StillInstant."""
     return StillInstant(label, joints_at(robot, angles, stance, pose), cop, load, trail)
 
 

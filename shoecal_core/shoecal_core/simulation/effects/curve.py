@@ -69,7 +69,7 @@ class Curve(Memoryless):
     place = Place.CURVE
 
     def passed(self, signal: FloatArray, instant: Instant) -> FloatArray:  # noqa: ARG002
-        """The signal behind it."""
+        """The signal (n,) behind it [N or N m]."""
         bent, scale = signal.copy(), self.scale
         ratio = signal[self.channels] / scale
         bent[self.channels] += 2.0 * self.quadratic * scale**2 * (1.0 - np.cos(ratio))
@@ -112,7 +112,7 @@ class SaturationCurve(Memoryless):
     place = Place.STOP
 
     def passed(self, signal: FloatArray, instant: Instant) -> FloatArray:  # noqa: ARG002
-        """The signal behind it."""
+        """The signal (n,) behind it [N or N m]."""
         ended, width = signal.copy(), _KNEE * self.level
         below = (self.level - signal[self.channels]) / width
         ended[self.channels] = self.level - width * np.logaddexp(0.0, below)

@@ -22,7 +22,7 @@ _SESSION = 300.0
 _WARM_UP = 600.0
 """s; time constant with which electronics come to rest after power-on."""
 _BEHIND = 10.0
-"""s; by which a cell's body is behind the sensor that tells its temperature."""
+"""s; by which a cell's body is behind the sensor that measures its temperature."""
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ class ZeroShift(Memoryless):
     place = Place.ZERO
 
     def passed(self, signal: FloatArray, instant: Instant) -> FloatArray:
-        """The signal behind it."""
+        """The signal (n,) behind it [N or N m]."""
         shifted = signal.copy()
         shifted[self.channels] += self.course.at(instant.time)
         return shifted
@@ -131,7 +131,7 @@ class SpanShift(Memoryless):
     place = Place.SPAN
 
     def passed(self, signal: FloatArray, instant: Instant) -> FloatArray:
-        """The signal behind it."""
+        """The signal (n,) behind it [N or N m]."""
         spread = signal.copy()
         spread[self.channels] *= 1.0 + self.course.at(instant.time)
         return spread

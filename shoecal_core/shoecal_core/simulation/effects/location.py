@@ -76,7 +76,7 @@ class Channels:
         return cls(names, fields.path, f"{fields.prefix}.location")
 
     def every(self, shoe: Shoe) -> IntArray:
-        """Indices of the channels, whatever they read, in the order of their names here.
+        """(k,) indices of the channels, whatever they read, in the order of their names here.
 
         Of a foot, those of vertical force: its cells, or that axis of its six-axis sensor.
 
@@ -100,7 +100,7 @@ class Channels:
         return np.array(list(dict.fromkeys(chosen)), dtype=np.int64)
 
     def forces(self, shoe: Shoe) -> IntArray:
-        """Indices of the channels, which must read forces.
+        """(k,) indices of the channels, which must read forces.
 
         Raises:
             FieldError: for a channel that the shoe lacks, or that reads a torque.
@@ -111,7 +111,7 @@ class Channels:
         return self.every(shoe)
 
     def cells(self, shoe: Shoe) -> IntArray:
-        """Indices of one-axis load cells.
+        """(k,) indices of one-axis load cells.
 
         Raises:
             FieldError: for a channel that the shoe lacks, or an axis of a six-axis sensor.

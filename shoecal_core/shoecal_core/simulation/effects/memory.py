@@ -86,7 +86,7 @@ class Loops(Stage[tuple[FloatArray, FloatArray]]):
     place = Place.FRICTION
 
     def start(self) -> tuple[FloatArray, FloatArray]:
-        """Every z_k, and the signal, at 0."""
+        """Every z_k (k, elements) and the signal (k,) at 0 [N or N m]."""
         return np.zeros_like(self.stops), np.zeros(len(self.channels))
 
     def __call__(
@@ -95,7 +95,7 @@ class Loops(Stage[tuple[FloatArray, FloatArray]]):
         state: tuple[FloatArray, FloatArray],
         instant: Instant,  # noqa: ARG002
     ) -> tuple[FloatArray, tuple[FloatArray, FloatArray]]:
-        """The signal behind it."""
+        """The signal (n,) behind it [N or N m]."""
         held, before = state
         now = signal[self.channels]
         held = np.minimum(np.maximum(held + (now - before)[:, None], -self.stops), self.stops)
@@ -145,14 +145,14 @@ class Spectrum(Stage[tuple[FloatArray, FloatArray]]):
     place = Place.FLOW
 
     def start(self) -> tuple[FloatArray, FloatArray]:
-        """Every exponential, and the signal, at 0."""
+        """Every exponential (k, exponentials) and the signal (k,) at 0 [N or N m]."""
         count = len(self.channels)
         return np.zeros((count, len(self.times))), np.zeros(count)
 
     def __call__(
         self, signal: FloatArray, state: tuple[FloatArray, FloatArray], instant: Instant
     ) -> tuple[FloatArray, tuple[FloatArray, FloatArray]]:
-        """The signal behind it."""
+        """The signal (n,) behind it [N or N m]."""
         levels, before = state
         now = signal[self.channels]
         levels = relaxed(levels, before[:, None], now[:, None], instant.span, self.times)

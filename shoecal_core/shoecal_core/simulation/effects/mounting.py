@@ -93,7 +93,7 @@ class SidewaysShare(Memoryless):
     feels_sideways = True
 
     def passed(self, signal: FloatArray, instant: Instant) -> FloatArray:
-        """The signal behind it."""
+        """The signal (n,) behind it [N or N m]."""
         added: FloatArray = signal + self.gain @ instant.sideways.ravel()
         return added
 

@@ -72,7 +72,7 @@ class _Slipping:
     slip: Slip
     foot: int
     _stance: Restancing | None = field(default=None, init=False)
-    _beside: FloatArray = field(default_factory=lambda: np.zeros(3), init=False)
+    _correction: FloatArray = field(default_factory=lambda: np.zeros(3), init=False)
 
     def act(self, sim: SimulatedRobot, time: float) -> None:
         """Loosen, strain the legs, and grip again."""
@@ -83,15 +83,15 @@ class _Slipping:
             self._stance = None
             return
         if self._stance is None:
-            self._stance, self._beside = Restancing(sim.physics, self.foot), np.zeros(3)
+            self._stance, self._correction = Restancing(sim.physics, self.foot), np.zeros(3)
         self._grip(sim, loose=since < DURATION)
         # Gently at both ends: a jerk would throw the robot.
         way = 0.5 - 0.5 * math.cos(math.pi * min(1.0, since / _MOVED))
         wanted = way * np.array(self.slip.shift)
         if since < DURATION:
             # Gears give, and legs were strained before: the foot is to come where it is said to.
-            self._beside += _MENDED * (wanted - self._stance.moved(sim.data))
-        sim.strain += self._stance(sim.data.act, wanted + self._beside)
+            self._correction += _MENDED * (wanted - self._stance.moved(sim.data))
+        sim.strain += self._stance(sim.data.act, wanted + self._correction)
 
     def _grip(self, sim: SimulatedRobot, *, loose: bool) -> None:
         model = sim.physics.model

@@ -80,7 +80,7 @@ class Lags(Stage[tuple[FloatArray, FloatArray, FloatArray]]):
     place = Place.FILTER
 
     def start(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Everything at 0."""
+        """Input, first and second lag (k,), all 0 [N or N m]."""
         nothing = np.zeros(len(self.channels))
         return nothing, nothing, nothing
 
@@ -90,7 +90,7 @@ class Lags(Stage[tuple[FloatArray, FloatArray, FloatArray]]):
         state: tuple[FloatArray, FloatArray, FloatArray],
         instant: Instant,
     ) -> tuple[FloatArray, tuple[FloatArray, FloatArray, FloatArray]]:
-        """The signal behind it."""
+        """The signal (n,) behind it [N or N m]."""
         before, first_before, second = state
         now = signal[self.channels]
         first = relaxed(first_before, before, now, instant.span, self.time)

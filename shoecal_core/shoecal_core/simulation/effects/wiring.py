@@ -54,13 +54,13 @@ class Held(Stage[FloatArray]):
     place = Place.CONTACT
 
     def start(self) -> FloatArray:
-        """Nothing was felt yet."""
+        """(k,) last signals [N or N m]: no load yet."""
         return np.zeros(len(self.channels))
 
     def __call__(
         self, signal: FloatArray, state: FloatArray, instant: Instant
     ) -> tuple[FloatArray, FloatArray]:
-        """The signal behind it."""
+        """The signal (n,) behind it [N or N m]."""
         if instant.time < self.time:
             return signal, signal[self.channels]
         held = signal.copy()
@@ -109,7 +109,7 @@ class Crossed(Memoryless):
     place = Place.SOCKET
 
     def passed(self, signal: FloatArray, instant: Instant) -> FloatArray:  # noqa: ARG002
-        """The signal behind it."""
+        """The signal (n,) behind it [N or N m]."""
         crossed = signal.copy()
         crossed[self.channels] = signal[self.channels[::-1]]
         return crossed
@@ -150,7 +150,7 @@ class Leak(Memoryless):
     place = Place.CABLE
 
     def passed(self, signal: FloatArray, instant: Instant) -> FloatArray:  # noqa: ARG002
-        """The signal behind it."""
+        """The signal (n,) behind it [N or N m]."""
         mixed = signal.copy()
         mixed[self.receiver] += self.fraction * signal[self.donor]
         return mixed

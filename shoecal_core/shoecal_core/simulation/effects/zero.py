@@ -57,7 +57,7 @@ class ZeroStep(Memoryless):
     place = Place.ZERO
 
     def passed(self, signal: FloatArray, instant: Instant) -> FloatArray:
-        """The signal behind it."""
+        """The signal (n,) behind it [N or N m]."""
         if instant.run != self.run:
             return signal
         stepped = signal.copy()

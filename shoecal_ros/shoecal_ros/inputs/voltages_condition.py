@@ -1,4 +1,4 @@
-"""How voltages come, for diagnostics of whoever hears them."""
+"""How voltages come, for the diagnostics of nodes that receive them."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from shoecal_ros.common.health import Condition
 from shoecal_ros.inputs.voltages import VoltageInput
 
 
-def voltages_told(voltages: VoltageInput) -> Condition:
+def voltages_condition(voltages: VoltageInput) -> Condition:
     """What is wrong with them, and how many come."""
     figures = {
         **voltages.heard.figures(),
