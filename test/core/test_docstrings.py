@@ -16,15 +16,10 @@ ROOT = Path(shoecal_core.__file__).parent
 ARRAY = re.compile(r"\b(FloatArray|BoolArray|IntArray|NDArray)\b")
 AXIS = r"(?:[0-9]*[a-wA-Z]'?|[0-9]+|[A-Z][A-Z_]+|T_run|count|feet|njoints|nq|segments|size|width)"
 SIZE = rf"(?:\.\.\.|{AXIS}(?: [-+] {AXIS})?)"
-SHAPE = re.compile(rf"\({SIZE},(?: {SIZE}(?:, {SIZE})*)?\)")
-"""(3,), (T, n), (..., 3), (2n + 1, BANDS); values such as (x, y) are none."""
+SHAPE = re.compile(rf"\(\.\.\.\)|\({SIZE},(?: {SIZE}(?:, {SIZE})*)?\)")
+"""(3,), (T, n), (..., 3), (...), (2n + 1, BANDS); values such as (x, y) are none."""
 
-PENDING = {"planning", "simulation", "recording", "report", "drafting", "cli"}
-"""Directories not checked yet."""
-
-MODULES = [
-    file for file in sorted(ROOT.rglob("*.py")) if file.relative_to(ROOT).parts[0] not in PENDING
-]
+MODULES = sorted(ROOT.rglob("*.py"))
 
 
 def public_functions(parent: ast.Module | ast.ClassDef) -> Iterator[ast.FunctionDef]:

@@ -222,7 +222,8 @@ class StanceSolver:
         """Nothing, where the robot can have all its weight on one foot or the other.
 
         Args:
-            foot_pose, others: as for solve_on_one.
+            foot_pose: of the right sole in the left sole's frame.
+            others: (m,) all joint angles, of which those beside the legs count [rad].
 
         Raises:
             UnreachableError: when it can on neither.

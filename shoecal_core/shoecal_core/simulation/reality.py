@@ -41,11 +41,11 @@ class NamedNumbers:
     def resolve(
         self, names: Sequence[str], default: NDArray[np.float64], kind: str
     ) -> NDArray[np.float64]:
-        """The numbers of each name, (len(names), width).
+        """(k, width) the numbers of each of k names.
 
         Args:
             names: the names that exist.
-            default: (len(names), width) for names that the table says nothing of.
+            default: (k, width) for names that the table says nothing of.
             kind: what the names are, for messages.
 
         Raises:

@@ -58,7 +58,7 @@ class ErrorMap:
 
 
 def common_levels(maps: Sequence[ErrorMap]) -> FloatArray:
-    """(2 to 7,) round borders of the colours [mm], so that all maps can be compared."""
+    """(k,) 2 to 7 round borders of the colours [mm], so that all maps can be compared."""
     lengths = np.concatenate([one.known[:, 2] for one in maps])
     if not len(lengths):
         return np.array([0.0, 1.0])

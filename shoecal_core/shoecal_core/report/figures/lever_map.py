@@ -46,7 +46,7 @@ class LeverMap:
 
 
 def box(shape: FootShape) -> tuple[FloatArray, FloatArray]:
-    """Lowest and highest (x, y) that is shown of a foot [m]."""
+    """(2,) lowest and (2,) highest place that is shown of a foot, sole frame [m]."""
     every = np.vstack((shape.outline, shape.cells))
     return every.min(axis=0) - MARGIN, every.max(axis=0) + MARGIN
 
