@@ -22,7 +22,7 @@ from shoecal_core.shoe.wrench import ChannelParameters, weight_below
 from shoecal_core.simulation.reality_file import load_reality
 
 FloatArray = NDArray[np.float64]
-ROOT = Path(__file__).parents[4]
+ROOT = Path(__file__).parents[3]
 REALITIES = ROOT / "config" / "realities"
 DEFAULT = load_reality(REALITIES / "default.yaml")
 PERFECT = load_reality(REALITIES / "default.yaml", REALITIES / "perfect.yaml")

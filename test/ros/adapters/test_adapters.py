@@ -86,7 +86,7 @@ def test_a_hold_counts_while_the_driver_is_gone(adapter: str, robot: Adapted) ->
     robot.until_reported(DRIVERS[adapter])
     robot.settle()
     robot.send(hold(nao(), bent(knee.way), 0.5))
-    robot.until_reported("trajectory refused: nobody")
+    robot.until_reported("trajectory refused: no node")
     robot.start_robot()
     robot.until_reported("armed")
     robot.world.until(lambda: robot.reported.level < bytes([Level.ERROR]))
