@@ -67,7 +67,7 @@ class Planner:
         Raises:
             UnreachableError: when it can on neither.
         """
-        self._stance.require_one_foot(FootPose.of(support), self.legs.robot.posture)
+        self._stance.require_one_foot(support, self.legs.robot.posture)
 
     def with_sag(
         self, ends: Sequence[FootPose], support_phase: SupportPhase, others: FloatArray

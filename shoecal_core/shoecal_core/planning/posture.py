@@ -218,16 +218,17 @@ class StanceSolver:
         aside = float(np.clip(room, 0.0, _ASIDE))
         return self._solved(_Task(foot_pose, support_phase, target, others, aside=aside))[0]
 
-    def require_one_foot(self, foot_pose: FootPose, others: FloatArray) -> None:
+    def require_one_foot(self, support: DoubleSupport, others: FloatArray) -> None:
         """Nothing, where the robot can have all its weight on one foot or the other.
 
         Args:
-            foot_pose: of the right sole in the left sole's frame.
-            others: (m,) all joint angles, of which those beside the legs count [rad].
+            support: where both feet stand.
+            others: (m,) all joint angles, of which those that are not of the legs count [rad].
 
         Raises:
             UnreachableError: when it can on neither.
         """
+        foot_pose = FootPose.of(support)
         try:
             self.solve_on_one(foot_pose, SupportPhase.LEFT, others)
         except UnreachableError:

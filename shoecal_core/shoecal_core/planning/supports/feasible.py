@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -165,8 +165,10 @@ class Feasible:
                 self.tally.near += 1
 
     def _on_one_foot(self, support: DoubleSupport) -> bool:
+        """Also where a step to there ends wider: the robot has to get away again."""
+        wider = replace(support, dy=support.dy - self.settings.step_error)
         try:
-            self._stance.require_one_foot(FootPose.of(support), self.robot.posture)
+            self._stance.require_one_foot(wider, self.robot.posture)
         except UnreachableError:
             return False
         return True
