@@ -74,8 +74,9 @@ class DriverStatus:
             reported = f"{name}: no cell for channel {channels}; add it to 'channels'"
             return Problem(Code.CHANNEL_WITHOUT_CELL, reported)
         if self.clock_stands:
-            cure = "start what publishes /clock"
-            reported = f"{name}: frames come, but the clock stands still; {cure}"
+            reported = (
+                f"{name}: frames come, but the clock stands still; start what publishes /clock"
+            )
             return Problem(Code.CLOCK_STANDS, reported)
         if self.unseen and self.source.counts.frames:
             cells = ", ".join(self.unseen)

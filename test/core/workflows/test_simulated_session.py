@@ -52,8 +52,7 @@ def test_another_double_support_is_drawn_and_told(tmp_path: Path) -> None:
     tried = [text for text in told if "another double support" in text]
     assert tried
     assert tried[-1] == (
-        "run 1 of 1 cannot be done there; trying another double support: "
-        f"dx {support.dx:g} m, dy {support.dy:g} m, dtheta {support.dtheta:g} rad"
+        f"run 1 of 1 cannot be done there; trying another double support: {support}"
     )
 
 
