@@ -92,15 +92,15 @@ def hasty(draw: Draw) -> Injected:
 
 
 def lifted(draw: Draw) -> Injected:
-    """A leg is drawn up while the other foot carries nearly all, for 0.6 to 2 s."""
+    """A leg is drawn up while the other foot carries most, for 0.6 to 2 s."""
     number, rng = draw.run(), draw.rng
     truth = read_truth(Session.open(draw.member.folder).truth_path(number))
     share = truth.foot_grf.min(axis=1) / truth.foot_grf.sum(axis=1)
     inner = (truth.time > 2.0) & (truth.time < truth.time[-1] - 3.0)
-    _require(bool((share[inner] < 0.25).any()))
+    _require(bool((share[inner] < 0.35).any()))
     middle = float(truth.time[inner][np.argmin(share[inner])]) + float(rng.uniform(-0.5, 0.5))
     foot = int(np.argmin(truth.foot_grf[np.searchsorted(truth.time, middle)]))
-    length, bend = float(rng.uniform(0.6, 2.0)), float(rng.uniform(0.2, 0.5))
+    length, bend = float(rng.uniform(0.6, 2.0)), float(rng.uniform(0.3, 0.8))
     samples, _ = _again(draw, number, [], drawn_up=(foot, middle - HOLD_S, length, bend))
     time = samples.time - samples.time[0]
     up = (samples.truth.foot_grf[:, foot] < 0.2) & (np.abs(time - middle) < length)
