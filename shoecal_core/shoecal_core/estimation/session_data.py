@@ -7,9 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from shoecal_core.estimation.data_sheets import (
-    without_sheets,
-)
+from shoecal_core.estimation.data_sheets import without_sheets
 from shoecal_core.estimation.joint import SAMPLING
 from shoecal_core.estimation.weight import Weighed, weigh
 from shoecal_core.recording.session import Session
