@@ -14,9 +14,9 @@ from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.signals import AIR, CLOSURE, COP, GRF, PARITY, SIGNALS, TILT
 from shoecal_core.error_sources.spectrum import BANDS
 from shoecal_core.estimation.initial_guess import initial_guess
-from shoecal_core.estimation.priors import parameter_std
 from shoecal_core.samples.samples import Samples
 from shoecal_core.samples.stance import Stance
+from shoecal_core.shoe.priors import parameter_std
 from shoecal_core.shoe.wrench import ChannelParameters, columns_in_left, combined, weight_below
 
 FloatArray = NDArray[np.float64]
@@ -63,7 +63,7 @@ def precision(
 ) -> FloatArray:
     """(p,) prior precision of the baseline's columns."""
     own = parameter_std(
-        signal_model.samples.shoe, parameters, signal_model.samples.robot.weight, settings
+        signal_model.samples.shoe, parameters.gain, signal_model.samples.robot.weight, settings
     )
     others = np.array([one.std for one in signal_model.nuisances])
     return np.asarray(1.0 / np.concatenate((own, others)) ** 2)

@@ -17,6 +17,7 @@ from shoecal_core.error_sources.effects import body, contact, geometry, places
 from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.signals import AIR
 from shoecal_core.error_sources.tolerances import Tolerances
+from shoecal_core.shoe.priors import TORQUE_LEVER_M
 from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_core.shoe.wrench import to_left
 
@@ -142,7 +143,7 @@ def _runs(signal_model: SignalModel, tolerances: Tolerances) -> Iterator[Deviati
             change = np.zeros_like(signal_model.outputs)
             change[here, channel] = 1.0
             torque = bool(samples.shoe.torque[channel])
-            std = tolerances.run_zero_n * (0.1 if torque else 1.0)
+            std = tolerances.run_zero_n * (TORQUE_LEVER_M if torque else 1.0)
             unit = "N m" if torque else "N"
             column = signal_model.by_outputs(change)
             yield Deviation("zero_offset", (name,), "offset", unit, std, column, run=run, form=0.0)

@@ -15,12 +15,11 @@ from numpy.typing import NDArray
 
 from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.tolerances import Tolerances
+from shoecal_core.shoe.priors import USUAL_WEIGHT
 
 FloatArray = NDArray[np.float64]
 ALL = "all"
 Place = tuple[str, ...]
-USUAL_WEIGHT = 52.0
-"""N; weight of the robots that the priors are given for."""
 FORCES = {
     "kg": 1, "N": 1, "N/s": 1, "N/K": 1, "1/N": -1, "1/N^2": -2, "rad/(N m)": -1,
 }  # fmt: skip

@@ -67,10 +67,10 @@ def form_error(signal_model: SignalModel, settings: SignalSettings) -> FloatArra
 def colour(samples: Samples, frequency: FloatArray, settings: SignalSettings) -> FloatArray:
     """(G,) variance of a coefficient at frequencies [Hz], of noise of first order.
 
-    It varies by one, and stays alike for `model_error_s`.
+    It varies by one, and stays alike for `correlation_s`.
     """
     step = float(np.median(np.diff(samples.time)[np.diff(samples.segment) == 0]))
-    keep = settings.model_error_s
+    keep = settings.correlation_s
     found: FloatArray = 2.0 * keep / step / (1.0 + (2.0 * np.pi * frequency * keep) ** 2)
     return found
 

@@ -21,6 +21,7 @@ from shoecal_core.estimation.walking_fit import CommonZeros, fit_walk
 from shoecal_core.samples.stance import Stance
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.shoe.correction import CopCorrection
+from shoecal_core.shoe.priors import parameter_std
 from shoecal_core.shoe.sensing import Sensing
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
@@ -83,7 +84,7 @@ def self_calibrate(
     if zeros is None:
         fit = fit_parameters(shoe, stances, guess, settings)
     else:
-        fit = fit_walk(shoe, stances, prior_of(shoe, guess, settings), zeros, settings)
+        fit = fit_walk(shoe, stances, prior_of(shoe, guess, stances, settings), zeros, settings)
     parameters, time_offset = unpack(fit.vector)
     return SelfCalibration(
         shoe=shoe,
@@ -99,19 +100,20 @@ def fit_parameters(
 ) -> Fit:
     """Nonlinear least squares over all gains, offsets and the time offset (paper, eq. 18)."""
     rows = rows_of(thinned(stances, MOST_SAMPLES), shoe, ResidualWeights.of(settings))
-    return minimise(rows, prior_of(shoe, guess, settings))
+    return minimise(rows, prior_of(shoe, guess, stances, settings))
 
 
-def prior_of(shoe: Shoe, guess: InitialGuess, settings: CalibrationSettings) -> Prior:
-    """What is believed of gains, offsets and time offset before any sample of the fit."""
-    known = np.array([channel.nominal_gain is not None for channel in shoe.channels])
-    gain_std = np.abs(guess.parameters.gain) * np.where(
-        known, settings.nominal_gain_std, settings.gain_std
-    )
-    offset_std = np.full(len(known), settings.offset_std_n)
-    # A torque's offset is expected as large as the force's at a lever of 10 cm.
-    offset_std[shoe.torque] *= 0.1
-    return Prior(
-        pack(guess.parameters, 0.0),
-        np.concatenate((gain_std, offset_std, [settings.time_offset_std_s])),
-    )
+def prior_of(
+    shoe: Shoe, guess: InitialGuess, stances: Sequence[Stance], settings: CalibrationSettings
+) -> Prior:
+    """What is believed of gains, offsets and time offset before any sample of the fit.
+
+    Args:
+        shoe, guess: of n channels.
+        stances: of the fit; only the robot's weight is taken from them.
+        settings: how far all may be off.
+    """
+    forces = [stance.force for stance in stances if len(stance.time)]
+    weight = float(np.concatenate(forces).mean()) if forces else 0.0
+    own = parameter_std(shoe, guess.parameters.gain, weight, settings)
+    return Prior(pack(guess.parameters, 0.0), np.append(own, settings.time_offset_std_s))

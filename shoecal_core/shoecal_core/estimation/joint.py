@@ -54,11 +54,11 @@ def joint_calibration(
     """
     signals = SignalSettings(
         rate_hz=RATE_HZ,
+        correlation_s=settings.correlation_s,
         gain_std=settings.gain_std,
         nominal_gain_std=settings.nominal_gain_std,
         offset_std_n=settings.offset_std_n,
         model_error_rad=settings.model_error_rad,
-        model_error_s=settings.correlation_s,
     )
     return fit_jointly(
         samples,

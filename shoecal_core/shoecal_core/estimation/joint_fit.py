@@ -5,7 +5,7 @@
 with b the gains and offsets (prior about the initial guess), tau the time offset of the joints,
 x_k ~ N(0, as-built^2) the deviations of `error_sources.as_built`, in all signals of
 `error_sources.signals`. The form error is what no linear source has in its form: alike for
-`model_error_s`, so that the samples within it count as one. Gauss-Newton; the prior makes every
+`correlation_s`, so that the samples within it count as one. Gauss-Newton; the prior makes every
 step well defined.
 
 Samples are means over 1 / RATE_HZ: the noise of single readings would bias the gains towards zero
@@ -32,8 +32,8 @@ from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.known_shoe import KnownShoe
 from shoecal_core.estimation.known_zeros import KnownZeros
 from shoecal_core.estimation.linear_system import LinearSystem
-from shoecal_core.estimation.priors import parameter_std
 from shoecal_core.samples.samples import Samples, Track
+from shoecal_core.shoe.priors import parameter_std
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 
@@ -179,7 +179,7 @@ def fit_jointly(
     signal_model = make_signal_model(samples, guess, settings).with_planes(settings)
     late = _time_offset_column(signal_model)
     own_std = np.append(
-        parameter_std(samples.shoe, guess, samples.robot.weight, settings),
+        parameter_std(samples.shoe, guess.gain, samples.robot.weight, settings),
         max(time_offset_std_s, EXACT_S),
     )
     steps, initial_cost = 0, None
@@ -229,7 +229,7 @@ def _sample_std(signal_model: SignalModel, settings: SignalSettings) -> FloatArr
 
     Samples within the correlation time err alike; each therefore counts by its share only.
     """
-    together = max(1.0, settings.model_error_s * RATE_HZ)
+    together = max(1.0, settings.correlation_s * RATE_HZ)
     std: FloatArray = np.hypot(
         white_noise(signal_model), np.sqrt(together) * model_error(signal_model, settings)
     )

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from shoecal_core.screening.blocks import Blocks
 from shoecal_core.screening.noise import spread
 from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.shoe.priors import TORQUE_LEVER_M
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters, at_cop
 
@@ -115,7 +116,7 @@ def prior(
 ) -> FloatArray:
     """(2n,) information on gains and offsets: a channel swings by no more than the weight."""
     swing = np.ptp(np.concatenate([one.readings for one in blocks.values()]), axis=0)
-    unit = np.where(shoe.torque, 0.1, 1.0)
+    unit = np.where(shoe.torque, TORQUE_LEVER_M, 1.0)
     return np.concatenate(((swing / (weight * unit)) ** 2, (settings.offset_std_n * unit) ** -2.0))
 
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from shoecal_core.settings import Settings, setting
+from shoecal_core.settings import setting
+from shoecal_core.shoe.priors import PriorSettings
 
 
 @dataclass(frozen=True)
-class CalibrationSettings(Settings):
+class CalibrationSettings(PriorSettings):
     """How residuals are weighed against each other and against the initial guess.
 
     The paper's weights w_n, w_c, w_zeta are given as standard deviations: a residual counts
@@ -19,16 +20,6 @@ class CalibrationSettings(Settings):
     force_std_n: float = setting(0.3, "N", "how far the weight is off the true GRF", minimum=1e-6)
     cop_std_m: float = setting(
         0.0025, "m", "how far the modelled CoP is off the true CoP", minimum=1e-9
-    )
-    correlation_s: float = setting(2.0, "s", "for how long those errors stay alike", minimum=1e-3)
-    gain_std: float = setting(
-        1.0, "", "how far gains are off their initial guess, as a share of it", minimum=1e-6
-    )
-    nominal_gain_std: float = setting(
-        0.1, "", "the same for channels whose data sheet gives a gain", minimum=1e-6
-    )
-    offset_std_n: float = setting(
-        30.0, "N", "how far offsets are off their initial guess", minimum=1e-6
     )
     time_offset_std_s: float = setting(
         0.02, "s", "how far joints and readings are apart in time", minimum=0.0

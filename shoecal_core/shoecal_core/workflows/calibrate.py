@@ -320,7 +320,7 @@ def _compare(
 def _check_fit(fit: _Fit, settings: CalibrationSettings) -> list[Finding]:
     """Channels that lag behind what the fit expects of them."""
     fitting = _fitting(settings, fit.data.screening)
-    prior = prior_of(fit.data.shoe, fit.stages.guess, fitting)
+    prior = prior_of(fit.data.shoe, fit.stages.guess, fit.training, fitting)
     weights = ResidualWeights.of(fitting)
     return check_lags(fit.data.shoe, lags(fit.stages.fit.vector, prior, fit.training, weights))
 

@@ -28,6 +28,7 @@ from shoecal_core.estimation.standstill import (
     hanging_feet,
 )
 from shoecal_core.robot.kinematics import BodyStates
+from shoecal_core.shoe.priors import TORQUE_LEVER_M
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 
@@ -38,8 +39,6 @@ DRIFT_STD = 0.1
 DRIFT_TIME_S = 3600.0
 LEAST_DRIFT = 0.01
 """Share of that variance which is there at once."""
-TORQUE_LEVER_M = 0.1
-"""A torque's offset drifts as a force's does at this lever."""
 ITERATIONS = 5
 """The CoP depends on the offsets a little otherwise than to first order."""
 

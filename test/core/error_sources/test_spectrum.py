@@ -57,7 +57,7 @@ def test_noise_that_stays_alike_has_its_colour(workspace: Workspace) -> None:
     samples = workspace.signal_model.samples
     settings = SignalSettings()
     step = float(np.median(np.diff(samples.time)[np.diff(samples.segment) == 0]))
-    keep = float(np.exp(-step / settings.model_error_s))
+    keep = float(np.exp(-step / settings.correlation_s))
     rng = np.random.default_rng(3)
     drive = rng.normal(size=(200, len(samples.run))) * np.sqrt(1.0 - keep**2)
     noise = lfilter([1.0], [1.0, -keep], drive, axis=1)

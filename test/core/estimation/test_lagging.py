@@ -39,7 +39,9 @@ def settling(stance: Stance, channel: int, seconds: float) -> Stance:
 def found_lags(shoe: Shoe, runs: Sequence[Stance]) -> tuple[Lag, ...]:
     guess = initial_guess(shoe, runs, weight_row=False)
     fit = fit_parameters(shoe, runs, guess, SETTINGS)
-    return lags(fit.vector, prior_of(shoe, guess, SETTINGS), runs, ResidualWeights.of(SETTINGS))
+    return lags(
+        fit.vector, prior_of(shoe, guess, runs, SETTINGS), runs, ResidualWeights.of(SETTINGS)
+    )
 
 
 def recorded(shoe: Shoe, truth: ChannelParameters, rng: np.random.Generator) -> list[Stance]:
@@ -73,7 +75,7 @@ def test_few_samples_tell_nothing(rng: np.random.Generator) -> None:
     shoe = shoes.shoe("nao_shoe")
     runs = recorded(shoe, synthetic.truth(shoe, rng), rng)
     guess = initial_guess(shoe, runs, weight_row=False)
-    prior, weights = prior_of(shoe, guess, SETTINGS), ResidualWeights.of(SETTINGS)
+    prior, weights = prior_of(shoe, guess, runs, SETTINGS), ResidualWeights.of(SETTINGS)
     short = [run.part(slice(0, 5)) for run in runs]
     assert lags(prior.mean, prior, [*runs, *short], weights) == lags(
         prior.mean, prior, runs, weights

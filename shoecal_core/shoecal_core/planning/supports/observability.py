@@ -29,6 +29,7 @@ from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.expected_error import wrench_slopes
 from shoecal_core.shoe.load_cases import double_support_outputs
+from shoecal_core.shoe.priors import TORQUE_LEVER_M, PriorSettings, parameter_std
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters, at_cop, columns_in_left
 
@@ -38,16 +39,11 @@ _REFERENCE = ((0.0, -0.02, 0.4), (0.05, -0.03, -0.4), (-0.03, -0.02, 0.0), (0.02
 """m, m, rad from the neutral stance: far apart, whatever the robot's range."""
 PLACES = 40
 """CoP places of a double support."""
-FORCE_STD_N, COP_STD_M, CORRELATION_S = 0.3, 0.0025, 2.0
-"""Of GRF and CoP, errors of modelling included, and for how long those stay alike [s]."""
-GAIN_STD, NOMINAL_GAIN_STD, OFFSET_STD_N = 1.0, 0.1, 30.0
-"""How far gains and offsets are off their initial guess; gains as a share of it, closer where a
-data sheet gives one."""
+FORCE_STD_N, COP_STD_M = 0.3, 0.0025
+"""Of GRF and CoP, errors of modelling included."""
 UNEVEN_SHARE = 0.3
 """How far the feet share the load otherwise than equal springs, over an even share of the weight.
 """
-TORQUE_LEVER = 0.1
-"""m; a torque is expected as large as the force at this lever."""
 
 
 @dataclass(frozen=True)
@@ -120,7 +116,7 @@ def information(robot: Robot, shoe: Shoe, visit: Visit) -> FloatArray:
     slopes = rows[:, count:]
     uneven = uneven_share(robot, shoe, visit.support, UNEVEN_SHARE)
     total[:count, :count] += (slopes.T @ slopes) * uneven
-    independent = visit.duration / CORRELATION_S
+    independent = visit.duration / PriorSettings().correlation_s
     scale = parameter_scale(robot, shoe)
     weighted: FloatArray = total * np.outer(scale, scale) * (independent / len(visit.places))
     return weighted
@@ -139,7 +135,7 @@ def uneven_share(robot: Robot, shoe: Shoe, support: DoubleSupport, part: float) 
     """
     count = len(shoe.channels)
     size = np.full(count, part * robot.weight / count)
-    size[shoe.torque] *= TORQUE_LEVER
+    size[shoe.torque] *= TORQUE_LEVER_M
     by_foot = np.zeros((count, 6))
     for foot in (0, 1):
         own = shoe.of_foot(foot)
@@ -161,12 +157,7 @@ def parameter_scale(robot: Robot, shoe: Shoe) -> FloatArray:
 
 def prior_information(robot: Robot, shoe: Shoe) -> FloatArray:
     """(2n, 2n) what is believed before any sample, in `information`'s units."""
-    count = len(shoe.channels)
-    known = [channel.nominal_gain is not None for channel in shoe.channels]
-    gains = np.where(known, NOMINAL_GAIN_STD, GAIN_STD)
-    offsets = np.full(count, OFFSET_STD_N)
-    offsets[shoe.torque] *= TORQUE_LEVER
-    expected = np.concatenate((gains, offsets))
+    expected = parameter_std(shoe, np.ones(len(shoe.channels)), robot.weight, PriorSettings())
     return np.diag((parameter_scale(robot, shoe) / expected) ** 2)
 
 

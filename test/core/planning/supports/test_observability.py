@@ -14,11 +14,7 @@ from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports import observability
 from shoecal_core.planning.supports.observability import (
     COP_STD_M,
-    CORRELATION_S,
     FORCE_STD_N,
-    GAIN_STD,
-    NOMINAL_GAIN_STD,
-    OFFSET_STD_N,
     PLACES,
     UNEVEN_SHARE,
     Visit,
@@ -34,6 +30,7 @@ from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.samples.stance import make_stance
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.shoe.load_cases import double_support_outputs
+from shoecal_core.shoe.priors import PriorSettings
 from shoecal_core.shoe.sensing import Sensing
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters, columns_in_left
@@ -117,19 +114,13 @@ def test_uneven_shares_are_counted_in_the_mean(body: Body) -> None:
     for place, output in zip(slopes, outputs, strict=True):
         total += (place.T @ place) * ((output + moved).T @ (output + moved)) / draws
     found = information(robot, shoe, visit)[:count, :count]
-    independent = visit.duration / CORRELATION_S / len(visit.places)
+    independent = visit.duration / PriorSettings().correlation_s / len(visit.places)
     np.testing.assert_allclose(found, independent * total, atol=0.02 * np.abs(found).max())
 
 
-def test_errors_and_priors_are_the_fits_own() -> None:
+def test_errors_are_the_fits_own() -> None:
     fit = CalibrationSettings()
-    assert (fit.force_std_n, fit.cop_std_m, fit.correlation_s) == (
-        FORCE_STD_N,
-        COP_STD_M,
-        CORRELATION_S,
-    )
-    assert (fit.gain_std, fit.nominal_gain_std) == (GAIN_STD, NOMINAL_GAIN_STD)
-    assert fit.offset_std_n == OFFSET_STD_N
+    assert (fit.force_std_n, fit.cop_std_m) == (FORCE_STD_N, COP_STD_M)
     assert SETTINGS.fixed_below < fit.fixed_below
 
 
