@@ -21,6 +21,7 @@ from shoecal_core.diagnosis.hypotheses import Hypothesis
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.tempering import needed
 from shoecal_core.diagnosis.workspace import Workspace
+from shoecal_core.error_sources.posterior import Posterior
 from shoecal_core.error_sources.signals import COP
 from shoecal_core.shoe.shoe import FEET
 
@@ -67,10 +68,8 @@ def unexplained(workspace: Workspace) -> FloatArray:
     sums = workspace.sums
     products = sums.products
     base, count = sums.base, len(workspace.catalogue.columns)
-    normal = products[:base, :base] + np.diag(sums.precision)
-    scale = 1.0 / np.sqrt(np.diag(normal))
-    factor = np.linalg.cholesky(normal * np.outer(scale, scale) + 1e-12 * np.eye(base))
-    shared = np.linalg.solve(factor, scale[:, None] * products[:base, base : base + count])
+    posterior = Posterior(products[:base, :base], sums.precision)
+    shared = posterior.whiten(products[:base, base : base + count])
     left: FloatArray = products[base : base + count, base : base + count] - shared.T @ shared
     return left
 
@@ -94,7 +93,7 @@ def _gain(hypothesis: Hypothesis, left: FloatArray, sizes: FloatArray) -> float:
     for form in hypothesis.forms:
         own = list(form.columns)
         block = left[np.ix_(own, own)]
-        prior = np.linalg.slogdet(np.eye(len(own)) + np.outer(form.std, form.std) * block)[1]
+        prior = 2.0 * Posterior(block, form.std**-2.0).half_log_volume
         gains.append(0.5 * float(np.max(sizes[own] ** 2 * np.diag(block)) - prior))
     return float(np.median(gains))
 
@@ -173,8 +172,8 @@ def distances(hypotheses: Sequence[Hypothesis], left: FloatArray, sizes: FloatAr
         most = np.zeros(len(hypotheses))
         for form in other.forms:
             own = list(form.columns)
-            normal = left[np.ix_(own, own)] + np.diag(1.0 / (LARGE * form.std) ** 2)
-            most = np.maximum(most, (seen[own] * np.linalg.solve(normal, seen[own])).sum(axis=0))
+            nearest = Posterior(left[np.ix_(own, own)], (LARGE * form.std) ** -2.0)
+            most = np.maximum(most, (nearest.whiten(seen[own]) ** 2).sum(axis=0))
         found[:, index] = 0.5 * (whole - most)
     np.fill_diagonal(found, 0.0)
     return np.maximum(found, 0.0)

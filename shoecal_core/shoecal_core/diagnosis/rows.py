@@ -13,7 +13,8 @@ from shoecal_core.diagnosis.baseline import precision
 from shoecal_core.diagnosis.hypotheses import Catalogue
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources.noise import colour, form_error, least_noise, white_noise
-from shoecal_core.error_sources.regression import Whitening, covariance_of
+from shoecal_core.error_sources.posterior import Posterior
+from shoecal_core.error_sources.regression import Whitening
 from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.signals import AIR, CLOSURE, COP, GRF, PARITY, TILT
 from shoecal_core.error_sources.spectrum import BANDS, frequencies_of, signals_of
@@ -246,8 +247,8 @@ def _unabsorbed(
     """(R, d) what all else in the baseline leaves of errors as built."""
     whole = base * weight[:, None]
     kept = ~signal_model.built
-    covariance = covariance_of(whole[:, kept].T @ whole[:, kept], prior[kept])
-    fitted = covariance @ (whole[:, kept].T @ whole[:, signal_model.built])
+    posterior = Posterior(whole[:, kept].T @ whole[:, kept], prior[kept])
+    fitted = posterior.solve(whole[:, kept].T @ whole[:, signal_model.built])
     left: FloatArray = base[:, signal_model.built] - base[:, kept] @ fitted
     return left
 

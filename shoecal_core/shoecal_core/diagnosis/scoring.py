@@ -29,11 +29,10 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_solve, solve_triangular
 
 from shoecal_core.diagnosis.hypotheses import Form, Hypothesis
 from shoecal_core.diagnosis.rows import Rows
-from shoecal_core.error_sources.regression import covariance_of
+from shoecal_core.error_sources.posterior import Posterior
 from shoecal_core.error_sources.signals import AIR, GRF, PARITY
 
 FloatArray = NDArray[np.float64]
@@ -152,16 +151,12 @@ class _Weighted:
     """The baseline under some variances, ready for columns to be added."""
 
     weight: FloatArray
-    factor: FloatArray
-    scale: FloatArray
     base: FloatArray
-    half_log_volume: float
-    precision: FloatArray
+    posterior: Posterior
 
     def eliminate(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
         """(p, m) weighted columns (R, m) in terms of the baseline, and (m, m) what is left."""
-        products = self.base.T @ (self.weight[:, None] * values)
-        across = solve_triangular(self.factor, self.scale[:, None] * products, lower=True)
+        across = self.posterior.whiten(self.base.T @ (self.weight[:, None] * values))
         return across, values.T @ values - across.T @ across
 
 
@@ -229,13 +224,8 @@ class Scorer:
         """The baseline under variances (G,), with as-built errors at levels (F,)."""
         rows = self.rows
         each = COUNTS / variance
-        normal, precision = rows.normal(each), rows.prior(levels)
-        scale = 1.0 / np.sqrt(np.diag(normal) + precision)
-        system = (normal + np.diag(precision)) * np.outer(scale, scale)
-        factor = np.linalg.cholesky(system + 1e-12 * np.eye(len(system))).astype(np.float64)
-        volume = np.log(np.diag(factor)).sum() - np.log(scale).sum() - 0.5 * np.log(precision).sum()
-        weight = np.sqrt(each)[rows.group]
-        return _Weighted(weight, factor, scale, rows.base, float(volume), precision)
+        posterior = Posterior(rows.normal(each), rows.prior(levels))
+        return _Weighted(np.sqrt(each)[rows.group], rows.base, posterior)
 
     def _fit(
         self,
@@ -268,21 +258,18 @@ class Scorer:
                 weighted = self.weighted(found.variance, levels)
             values = np.column_stack((columns, rows.residuals)) * weighted.weight[:, None]
             across, left = weighted.eliminate(values)
-            inner = np.eye(count) + left[:count, :count] * np.outer(std, std)
-            root = np.linalg.cholesky(inner)
-            sizes = std * cho_solve((root, True), std * left[:count, count])
-            vector = weighted.scale * solve_triangular(
-                weighted.factor.T, across[:, count] - across[:, :count] @ sizes, lower=False
-            )
+            inner = Posterior(left[:count, :count], std**-2.0)
+            sizes = inner.solve(left[:count, count])
+            vector = weighted.posterior.unwhiten(across[:, count] - across[:, :count] @ sizes)
             rest = rows.residuals - rows.base @ vector - columns @ sizes
             own = 0.0 if without is None else rows.squares(without - rest) / rows.count
             known = rows.noise + form_level**2 * rows.form
             power = rows.squares(rest) / rows.scales(vector + rows.away, self.channels) ** 2
             lacking = rows.smooth + FORM**2 * own
             variance, expected, model_level, likely = self._variance(power, known, lacking, other)
-            prior = 0.5 * float((vector**2 * weighted.precision).sum())
+            prior = 0.5 * float((vector**2 * weighted.posterior.precision).sum())
             prior += 0.5 * float(((sizes / std) ** 2).sum())
-            volume = weighted.half_log_volume + float(np.log(np.diag(root)).sum())
+            volume = weighted.posterior.half_log_volume + inner.half_log_volume
             evidence = float(likely.sum()) - prior - volume - _level_cost(levels, form_level)
             found = Scored(
                 self, tuple(parts), np.concatenate((vector, sizes)), evidence, levels, form_level,
@@ -351,8 +338,8 @@ class Scorer:
         The fixed point of MacKay (Neural Computation 4:415, 1992).
         """
         rows = self.rows
-        inverse = solve_triangular(weighted.factor, np.diag(weighted.scale), lower=True)
-        determined = 1.0 - (inverse**2).sum(axis=0) * weighted.precision
+        posterior = weighted.posterior
+        determined = 1.0 - posterior.variance * posterior.precision
         size = vector[: len(determined)] ** 2 * rows.precision
         found = np.empty(len(rows.most_level))
         for family, most in enumerate(rows.most_level):
@@ -370,7 +357,7 @@ class Scorer:
         whole *= weight[:, None]
         precision = np.concatenate((rows.prior(scored.levels), scored.std**-2.0))
         turned = self._whole(scored.columns)
-        found: FloatArray = turned @ covariance_of(whole.T @ whole, precision) @ turned.T
+        found: FloatArray = turned @ Posterior(whole.T @ whole, precision).covariance @ turned.T
         return found
 
     def gains(
@@ -401,8 +388,8 @@ class Scorer:
         _, left = weighted.eliminate(values)
         if kept.parts:
             own = np.array(kept.columns, dtype=np.int64)
-            inner = left[np.ix_(own, own)] + np.diag(kept.std**-2.0)
-            left = left - left[:, own] @ np.linalg.solve(inner, left[own])
+            taken = Posterior(left[np.ix_(own, own)], kept.std**-2.0)
+            left = left - left[:, own] @ taken.solve(left[own])
         return left
 
 
@@ -420,11 +407,9 @@ def _best(left: FloatArray, hypothesis: Hypothesis) -> tuple[float, Form] | None
 def _gain(left: FloatArray, form: Form) -> tuple[float, FloatArray]:
     """Log evidence that a form adds, and (k,) its sizes, of what the baseline leaves."""
     own = np.array(form.columns, dtype=np.int64)
-    inner = np.eye(len(own)) + left[np.ix_(own, own)] * np.outer(form.std, form.std)
-    root = np.linalg.cholesky(inner)
-    half = solve_triangular(root, form.std * left[own, -1], lower=True)
-    sizes = form.std * solve_triangular(root.T, half, lower=False)
-    return 0.5 * float(half @ half) - float(np.log(np.diag(root)).sum()), sizes
+    inner = Posterior(left[np.ix_(own, own)], form.std**-2.0)
+    sizes = inner.solve(left[own, -1])
+    return 0.5 * float(left[own, -1] @ sizes) - inner.half_log_volume, sizes
 
 
 def _level_cost(levels: FloatArray, form_level: float) -> float:

@@ -17,10 +17,10 @@ from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources.as_built import as_built
 from shoecal_core.error_sources.base import Effect, Place
 from shoecal_core.error_sources.noise import jolts
+from shoecal_core.error_sources.posterior import Posterior
 from shoecal_core.error_sources.regression import (
     WhitenedProducts,
     Whitening,
-    covariance_of,
     make_sums,
 )
 from shoecal_core.error_sources.signal_model import SignalModel
@@ -88,7 +88,7 @@ class Workspace:
         kept = np.flatnonzero(signal_model.shared & ~signal_model.built)
         rows = self.rows_of(self.train)
         base = self.whitening(signal_model.baseline[kept])[:, rows][:, self.whitening.kept[rows]]
-        return kept, covariance_of(base @ base.T, self.sums.precision[kept]) @ base
+        return kept, Posterior(base @ base.T, self.sums.precision[kept]).solve(base)
 
     def added(self, scored: Scored | None, part: slice = slice(None)) -> FloatArray:
         """(T, s) what an explanation's columns add: all of them, or some of its components."""

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.error_sources.posterior import Posterior
 from shoecal_core.error_sources.spectrum import BandTransform
 from shoecal_core.samples.samples import Samples
 
@@ -105,16 +106,7 @@ def solve(sums: WhitenedProducts, columns: Sequence[int], std: FloatArray) -> Re
     chosen = np.concatenate((np.arange(sums.base), sums.base + np.asarray(columns, dtype=np.int64)))
     precision = np.concatenate((sums.precision, 1.0 / std**2))
     right = sums.products[chosen, -1]
-    covariance = covariance_of(sums.products[np.ix_(chosen, chosen)], precision)
-    vector = covariance @ right
+    posterior = Posterior(sums.products[np.ix_(chosen, chosen)], precision)
+    vector = posterior.solve(right)
     squares = float(sums.products[-1, -1] - right @ vector)
-    return RegressionSolution(vector, covariance, squares)
-
-
-def covariance_of(normal: FloatArray, precision: FloatArray) -> FloatArray:
-    """(p, p) inverse of a normal matrix (p, p) and priors of precision (p,), in any units."""
-    scale = 1.0 / np.sqrt(np.diag(normal) + precision)
-    system = (normal + np.diag(precision)) * np.outer(scale, scale)
-    inverse = np.linalg.inv(np.linalg.cholesky(system + 1e-12 * np.eye(len(system))))
-    covariance: FloatArray = (inverse.T @ inverse) * np.outer(scale, scale)
-    return covariance
+    return RegressionSolution(vector, posterior.covariance, squares)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from shoecal_core.error_sources.posterior import Posterior
 from shoecal_core.errors import ShoecalError
 
 FloatArray = NDArray[np.float64]
@@ -111,8 +112,8 @@ def minimise(rows: Rows, prior: Prior, max_evaluations: int = MAX_EVALUATIONS) -
     directions = np.zeros((len(scale), len(free)))
     directions[:, free] = vectors.T[order] * scale
     covariance = np.zeros((len(free), len(free)))
-    inverse = np.linalg.inv(data.T @ data + np.eye(len(scale)))
-    covariance[np.ix_(free, free)] = inverse * np.outer(scale, scale)
+    kept = whole[:, free]
+    covariance[np.ix_(free, free)] = Posterior(kept.T @ kept, scale**-2.0).covariance
     return Fit(
         vector=vector,
         cost=2.0 * float(found.cost),

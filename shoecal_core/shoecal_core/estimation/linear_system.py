@@ -8,10 +8,10 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve
 
 from shoecal_core.error_sources.as_built import of_shoes
 from shoecal_core.error_sources.base import Deviation
+from shoecal_core.error_sources.posterior import Posterior
 from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.estimation.known_shoe import KnownShoe
@@ -119,23 +119,16 @@ class LinearSystem:
         )
 
     @cached_property
-    def _factor(self) -> tuple[FloatArray, bool]:
-        """Cholesky factor of the normal equations, of the unknowns in units of their priors."""
-        scaled = self.rows * self.std[:, None]
-        factor: tuple[FloatArray, bool] = cho_factor(scaled @ scaled.T + np.eye(len(self.std)))
-        return factor
+    def _posterior(self) -> Posterior:
+        return Posterior(self.rows @ self.rows.T, self.std**-2.0)
 
     def solution(self) -> FloatArray:
         """(u,) of least cost."""
-        right = self.std * (self.rows @ self.target) + self.away / self.std
-        found: FloatArray = self.std * cho_solve(self._factor, right)
-        return found
+        return self._posterior.solve(self.rows @ self.target + self.away / self.std**2)
 
     def covariance(self) -> FloatArray:
         """(u, u) of the unknowns."""
-        inverse = cho_solve(self._factor, np.eye(len(self.std)))
-        covariance: FloatArray = inverse * np.outer(self.std, self.std)
-        return 0.5 * (covariance + covariance.T)
+        return self._posterior.covariance
 
     def cost(self, unknowns: FloatArray) -> float:
         """Sum of squares at these unknowns (u,), priors included."""
