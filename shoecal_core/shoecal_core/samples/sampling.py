@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
 from shoecal_core.errors import FileError, ShoecalError
+from shoecal_core.progress import Progress, no_progress
 from shoecal_core.recording.errors import SessionError
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import Session
@@ -63,7 +64,7 @@ class Read:
 def read_runs(
     session: Session,
     runs: Sequence[int],
-    progress: Callable[[str, float], None] | None = None,
+    progress: Progress = no_progress,
     *,
     weight_kg: float | None = None,
 ) -> Read:
@@ -78,8 +79,7 @@ def read_runs(
     notes: list[str] = []
     read = []
     for index, number in enumerate(runs):
-        if progress is not None:
-            progress(f"reading run {number}", index / len(runs))
+        progress(f"reading run {number}", index / len(runs))
         try:
             run = session.read(number)
             if run.info.hanging:
