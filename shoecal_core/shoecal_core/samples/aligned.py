@@ -38,19 +38,23 @@ class Aligned:
         readings: (T, n) raw, all finite.
         joint_angles: (T, m) of the whole robot [rad].
         states: what the joint angles say.
+        late_s: the robot's stamps were late by this much against `time` [s].
     """
 
     time: FloatArray
     readings: FloatArray
     joint_angles: FloatArray
     states: BodyStates
+    late_s: float = 0.0
 
     def part(self, part: NDArray[np.bool_]) -> Aligned:
         """The samples marked in `part` (T,)."""
         states = BodyStates(
             **{field.name: getattr(self.states, field.name)[part] for field in fields(BodyStates)}
         )
-        return Aligned(self.time[part], self.readings[part], self.joint_angles[part], states)
+        return Aligned(
+            self.time[part], self.readings[part], self.joint_angles[part], states, self.late_s
+        )
 
 
 def align(run: Run, shoe: Shoe, kinematics: Kinematics, *, late_s: float = 0.0) -> Aligned:
@@ -82,7 +86,7 @@ def align(run: Run, shoe: Shoe, kinematics: Kinematics, *, late_s: float = 0.0) 
         )
     angles = angles[covered]
     readings = run.readings.value[good][covered]
-    return Aligned(time[covered], readings, angles, kinematics.states(angles))
+    return Aligned(time[covered], readings, angles, kinematics.states(angles), late_s)
 
 
 def align_each(

@@ -280,8 +280,9 @@ def _part(
         time=time,
         readings=aligned.readings,
         angles=aligned.joint_angles,
-        efforts=efforts(run, robot, time),
-        up=upwards(run, time),
+        # Efforts and IMU have the robot's stamps, as the angles have.
+        efforts=efforts(run, robot, time + aligned.late_s),
+        up=upwards(run, time + aligned.late_s),
         temperature=temperature(run, time),
         com=com,
         samples=slice(at, at + weights.shape[0]),
