@@ -9,7 +9,7 @@ from rich.console import Console
 from shoecal_core.cli.tables import reason_lines
 from shoecal_core.errors import PartialError
 from shoecal_core.estimation.calibration import Calibration
-from shoecal_core.screening.verdict import tell_reasons
+from shoecal_core.screening.verdict import list_reasons
 
 
 class CalibrationFailedError(PartialError):
@@ -32,5 +32,5 @@ def require_usable(
     for line in reason_lines(calibration):
         console.print(line, soft_wrap=True)
     if calibration.verdict == "FAIL":
-        reasons = tell_reasons(calibration.reasons, 1)
+        reasons = list_reasons(calibration.reasons, 1)
         raise CalibrationFailedError(f"no calibration written: {reasons}", figures)

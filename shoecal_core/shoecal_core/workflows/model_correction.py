@@ -31,7 +31,7 @@ from shoecal_core.robot.correction import ModelCorrection, corrected_urdf
 from shoecal_core.robot.robot import Robot, first_link
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.screening.settings import CalibrationSettings
-from shoecal_core.screening.verdict import tell_reasons
+from shoecal_core.screening.verdict import list_reasons
 from shoecal_core.workflows.calibrate import calibrate_session
 
 JOINT_ZERO, MASS, COM = "joint_offset", "link_mass", "link_com"
@@ -90,7 +90,7 @@ def correct_robot(
     progress("fitting all runs", 0.0)
     outcome = calibrate_session(session, train, test, settings, tolerances)
     if outcome.calibration.verdict == "FAIL":
-        reasons = tell_reasons(outcome.calibration.reasons, 1)
+        reasons = list_reasons(outcome.calibration.reasons, 1)
         raise SessionError(session.folder, f"no fit to correct the robot by: {reasons}")
     found = _found(session, outcome)
     held_out = [(outcome, outcome.test)]
