@@ -189,7 +189,7 @@ def _covered(expected: Expected, outcome: CalibrationOutcome, runs: Mapping[int,
     """Share of the spoilt samples that the fit did not see."""
     if not len(expected.times) or expected.run is None:
         return 1.0
-    start_ns = outcome.data.start_ns[expected.run]
+    start_ns = outcome.data.runs[expected.run].start_ns
     assert start_ns == runs[expected.run].start_ns
     seen = [stance.time for stance in outcome.data.stances[expected.run]]
     if not seen:

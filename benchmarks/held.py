@@ -57,7 +57,7 @@ def hold(judged: Session, outcome: CalibrationOutcome, true_gain: FloatArray) ->
     lengths: dict[str, list[tuple[FloatArray, FloatArray]]] = {name: [] for name in COPS}
     for stance in data.of(outcome.test):
         few = stance.part(slice(None, None, STEP))
-        truth = read_truth(judged.truth_path(stance.run), data.start_ns[stance.run])
+        truth = read_truth(judged.truth_path(stance.run), data.runs[stance.run].start_ns)
         true = truth_series(truth, few)
         measured = sensing.measure(few.readings)
         outputs = parameters.outputs(few.readings)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.robot.robot import GRAVITY, Robot
 from shoecal_core.shoe.shoe import FEET
-from shoecal_core.simulation.disturbances import Disturbance
+from shoecal_core.simulation.disturbances import Disturbance, MovingRobot
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.robot import SimulatedRobot
 from shoecal_core.simulation.samples import SimulatedSamples
@@ -30,12 +30,12 @@ class Unknown(Effect):
         """Itself acts while the robot moves."""
         return (self,)
 
-    def act(self, sim: SimulatedRobot, time: float) -> None:
+    def act(self, sim: MovingRobot, time: float) -> None:
         """Act from the moment the recording begins, not while the robot is put down."""
         if time >= 0.0:
             self.push(sim, time)
 
-    def push(self, sim: SimulatedRobot, time: float) -> None:
+    def push(self, sim: MovingRobot, time: float) -> None:
         """Add forces that are due at a time since the recording began [s]."""
 
     def readings(self, sim: SimulatedRobot, samples: SimulatedSamples) -> FloatArray:
@@ -72,7 +72,7 @@ class Cable(Unknown):
         reach = np.array([0.15 * np.cos(way), 0.15 * np.sin(way), rng.uniform(-0.05, 0.1)])
         return cls(size, str(rng.choice(["base_link", "l_wrist_link", "r_wrist_link"])), reach)
 
-    def push(self, sim: SimulatedRobot, time: float) -> None:
+    def push(self, sim: MovingRobot, time: float) -> None:
         """Pull."""
         place = _place(sim, self.link)
         if self._point is None or time == 0.0:
@@ -103,7 +103,7 @@ class Table(Unknown):
         """Which side."""
         return cls(size, int(rng.choice([-1, 1])), float(rng.uniform(0.0, 0.008)))
 
-    def push(self, sim: SimulatedRobot, time: float) -> None:
+    def push(self, sim: MovingRobot, time: float) -> None:
         """Push back what comes too near, and rub."""
         link = "LThigh_link" if self.side > 0 else "RThigh_link"
         place = _place(sim, link)
@@ -145,7 +145,7 @@ class Swing(Unknown):
             float(rng.uniform(30.0, 120.0)),
         )  # fmt: skip
 
-    def push(self, sim: SimulatedRobot, time: float) -> None:
+    def push(self, sim: MovingRobot, time: float) -> None:
         """Pull sideways, as a pendulum does on its thread."""
         turned = self.size * np.exp(-time / self.fading) * np.sin(2 * np.pi * time / self.period)
         force = GRAVITY * turned * np.array([np.cos(self.way), np.sin(self.way), 0.0])
@@ -295,7 +295,7 @@ class Hand(Unknown):
         starts = np.cumsum(rng.uniform(4.0, 10.0, 8))
         return cls(size, starts, rng.uniform(2.0, 6.0, 8), rng.uniform(-0.4, 0.4, 2))
 
-    def push(self, sim: SimulatedRobot, time: float) -> None:
+    def push(self, sim: MovingRobot, time: float) -> None:
         """Hold up a part of the weight."""
         _push(sim, "base_link", self.size * self.much(time) * np.array([*self.lean, 1.0]))
 
@@ -356,12 +356,12 @@ KINDS: Mapping[str, Callable[[float, np.random.Generator], Unknown]] = {
 """Kinds by name: from size and chance."""
 
 
-def _place(sim: SimulatedRobot, link: str) -> FloatArray:
+def _place(sim: MovingRobot, link: str) -> FloatArray:
     place: FloatArray = sim.data.xpos[sim.physics.model.body(link).id].copy()
     return place
 
 
-def _push(sim: SimulatedRobot, link: str, force: FloatArray) -> None:
+def _push(sim: MovingRobot, link: str, force: FloatArray) -> None:
     sim.data.xfrc_applied[sim.physics.model.body(link).id, :3] += force
 
 

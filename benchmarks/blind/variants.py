@@ -11,7 +11,7 @@ from population import nao
 from shoecal_core.planning.standard import TEST, TRAIN
 from shoecal_core.recording.session import Session
 from shoecal_core.simulation.reality import BASE
-from shoecal_core.simulation.sampled_robot import link_names
+from shoecal_core.simulation.sampled_parts import link_names
 
 TRUE = "true effect"
 LANDMARKS = "paper's motions only"

@@ -13,7 +13,7 @@ import shutil
 import signal
 import sys
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from rich.console import Console
@@ -23,6 +23,7 @@ from shoecal_core.cli.progress import shown_progress
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import atomic_write, read_bytes
+from shoecal_core.progress import Progress
 from shoecal_core.recording.session import Session
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.settings import load_settings
@@ -110,9 +111,7 @@ def run(options: Options) -> Mapping[str, object]:
     return figures
 
 
-def _calibrate(
-    options: Options, folder: Folder, watch: Stopwatch, progress: Callable[[str, float], None]
-) -> None:
+def _calibrate(options: Options, folder: Folder, watch: Stopwatch, progress: Progress) -> None:
     """The part in which the nodes are running."""
     progress("starting the nodes", 0.0)
     default = config_dir() / "realities" / "default.yaml"

@@ -20,6 +20,7 @@ FOUNDATION = {
     "file_kinds",
     "files",
     "parameter_file",
+    "progress",
     "settings",
     "workspace",
 }
@@ -32,6 +33,7 @@ MAY_IMPORT = {
     "file_kinds": set[str](),
     "files": FOUNDATION,
     "parameter_file": FOUNDATION,
+    "progress": set[str](),
     "settings": FOUNDATION,
     "workspace": FOUNDATION,
     "shoe": DESCRIPTION,

@@ -45,7 +45,7 @@ PASSED_ON = {
     "common/graph_monitor.py": {"reported.message"},
     "nodes/calibrator.py": {"UNCALIBRATED"},  # of another module
     "nodes/simulator.py": {"self._refused"},
-    "planner/watched.py": {"concern.message"},
+    "planner/watched.py": {"reason.message"},
     "serial/serial_source.py": {"found.message", "f'serial port {self._name}: {message}'"},
     "serial/watch.py": {"f'{reported}: {self._fault.text}'"},  # of a decoder
     "simulator/body_publishers.py": {"problem.message"},
@@ -60,7 +60,7 @@ def message(call: ast.Call, *, errors: bool) -> ast.expr | None:
         return words[1] if name != "_reported" or "code" in ast.unparse(words[0]).lower() else None
     if name == "Condition":
         return words[1] if ast.unparse(words[0]) != "Level.OK" else None
-    if name == "tell" and len(words) > 2:
+    if name == "report" and len(words) > 2:
         return words[2] if ast.unparse(words[1]) != "Level.OK" else None
     if errors and name.endswith("Error") and words and name not in WORDED:
         return words[-1]

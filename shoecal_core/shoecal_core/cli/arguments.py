@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TypeVar
 
@@ -16,6 +16,7 @@ from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.draw import draw_supports
 from shoecal_core.planning.supports.feasible import Feasible
 from shoecal_core.planning.supports.named import NAMED, PAPER_DOC, named_supports
+from shoecal_core.progress import Progress
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import shoe_file_of
@@ -217,7 +218,7 @@ def chosen_supports(
     robot: Robot,
     shoe: Shoe,
     settings: PlannerSettings,
-    progress: Callable[[str, float], None],
+    progress: Progress,
 ) -> list[DoubleSupport]:
     """The double supports of `--stance`, else as many as the settings say, drawn.
 

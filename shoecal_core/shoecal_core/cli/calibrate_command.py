@@ -20,10 +20,10 @@ from shoecal_core.cli.arguments import (
 )
 from shoecal_core.cli.assessment_table import expected_table, trust_lines
 from shoecal_core.cli.screening_table import screening_table
-from shoecal_core.cli.tables import errors_table, new_table, reason_lines, stages_rows
+from shoecal_core.cli.tables import errors_table, new_table, stages_rows
+from shoecal_core.cli.usable import require_usable
 from shoecal_core.cli.zeros_table import weight_json, weight_line, zeros_table
 from shoecal_core.error_sources.tolerances import Tolerances
-from shoecal_core.errors import PartialError
 from shoecal_core.estimation.calibration import load_calibration, save_calibration
 from shoecal_core.estimation.initial_guess import InitialGuess
 from shoecal_core.estimation.joint_fit import JointFit
@@ -31,15 +31,10 @@ from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.recording.session import Session
 from shoecal_core.report.quantities import channel_units, uncertain
 from shoecal_core.screening.settings import CalibrationSettings
-from shoecal_core.screening.verdict import tell_reasons
 from shoecal_core.workflows.calibrate import calibrate_session
 
 SURE = 3.0
 """Standard deviations from which on a deviation is listed as significant."""
-
-
-class CalibrationFailedError(PartialError):
-    """A calibration was found that must not be used."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -96,13 +91,10 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         from shoecal_core.report.session_report import write_session_report  # noqa: PLC0415
 
         write_session_report(args.report, session, outcome, settings=settings)
-    for line in reason_lines(calibration):
-        console.print(line, soft_wrap=True)
-    if calibration.verdict == "FAIL":
-        reasons = tell_reasons(calibration.reasons, 1)
-        raise CalibrationFailedError(f"no calibration written: {reasons}", to_json(outcome))
+    figures = to_json(outcome)
+    require_usable(calibration, figures, console)
     console.print(f"{args.out}")
-    return to_json(outcome)
+    return figures
 
 
 def to_json(outcome: CalibrationOutcome) -> dict[str, object]:

@@ -32,7 +32,7 @@ from shoecal_core.estimation.run_errors import (
 from shoecal_core.estimation.series import Errors
 from shoecal_core.recording.errors import SessionError
 from shoecal_core.recording.session import Session
-from shoecal_core.screening.verdict import VERDICTS, split_reason, tell_reasons
+from shoecal_core.screening.verdict import VERDICTS, list_reasons, split_reason
 from shoecal_core.workflows.evaluation import (
     MEASURED,
     MODELLED,
@@ -129,7 +129,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         "runs": [_run_to_json(one) for one in runs],
     }
     if worst.verdict == "FAIL":
-        raise PoorCalibrationError(tell_reasons(worst.reasons, 1), figures)
+        raise PoorCalibrationError(list_reasons(worst.reasons, 1), figures)
     return figures
 
 

@@ -28,7 +28,7 @@ from shoecal_core.cli.manual_tables import (
     manual_table,
     manual_to_json,
 )
-from shoecal_core.cli.tables import reason_lines
+from shoecal_core.cli.usable import require_usable
 from shoecal_core.errors import FileMissingError, ShoecalError
 from shoecal_core.estimation.calibration import Calibration, load_calibration, save_calibration
 from shoecal_core.files import make_folder
@@ -50,7 +50,6 @@ from shoecal_core.report.manual_content import ManualReport
 from shoecal_core.report.manual_report import manual_report
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot
-from shoecal_core.screening.verdict import tell_reasons
 from shoecal_core.shoe.shoe import FEET, Shoe, load_shoe
 from shoecal_core.shoe.wrench import foot_wrenches
 from shoecal_core.simulation.reality_file import load_reality
@@ -64,10 +63,6 @@ CELLS_FILE, CALIBRATION_FILE = "cells.yaml", "calibration.yaml"
 """Files of a folder that `simulate` makes; CELLS_FILE is also looked for next to the data."""
 
 SIMULATED = "Shoes, weights and the bench are simulated."
-
-
-class ManualCalibrationFailedError(ShoecalError):
-    """A calibration was found that must not be used."""
 
 
 @dataclass(frozen=True)
@@ -168,8 +163,9 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         bench = replace(bench, shoe=cells.shoe)
         result = _solve_cells(bench, cells, console)
         _report(args.report, bench, result.calibration, result.cells, (), _read_from(args.data))
-        _write(result.calibration, args.out, console)
-        return cells_to_json(result)
+        figures = cells_to_json(result)
+        _write(result.calibration, figures, args.out, console)
+        return figures
     first = _first_step(args)
     asked = shoe if args.foot is None else shoe.of_one_foot(FEET.index(args.foot))
     of_shoe(first, asked)  # before anybody is asked to carry a weight
@@ -178,8 +174,9 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     bench = replace(bench, shoe=loads.shoe)
     found = _solve_shoe(bench, of_shoe(first, loads.shoe), loads, (), console)
     _report(args.report, bench, found.calibration, (), found.feet, _read_from(args.data))
-    _write(found.calibration, args.out, console)
-    return manual_to_json(found)
+    figures = manual_to_json(found)
+    _write(found.calibration, figures, args.out, console)
+    return figures
 
 
 def _without_missing_foot(args: argparse.Namespace, read: Measurements) -> Measurements:
@@ -243,12 +240,13 @@ def _simulate(args: argparse.Namespace, bench: _Bench, console: Console) -> Mapp
     save_measurements(cells, folder / CELLS_DATA)
     save_measurements(loads, folder / SHOE_DATA)
     first = _solve_cells(bench, cells, console)
-    _write(first.calibration, folder / CELLS_FILE, console)
+    _write(first.calibration, cells_to_json(first), folder / CELLS_FILE, console)
     saved = load_calibration(folder / CELLS_FILE)
     found = _solve_shoe(bench, saved, loads, first.cells, console)
     _report(args.report, bench, found.calibration, found.cells, found.feet, (SIMULATED,))
-    _write(found.calibration, folder / CALIBRATION_FILE, console)
-    return {**manual_to_json(found), "seed": args.seed, "robot_seed": robot_seed}
+    figures = {**manual_to_json(found), "seed": args.seed, "robot_seed": robot_seed}
+    _write(found.calibration, figures, folder / CALIBRATION_FILE, console)
+    return figures
 
 
 def _solve_cells(bench: _Bench, cells: Measurements, console: Console) -> CellsCalibration:
@@ -292,13 +290,11 @@ def _report(
         )
 
 
-def _write(calibration: Calibration, out: Path, console: Console) -> None:
+def _write(
+    calibration: Calibration, figures: Mapping[str, object], out: Path, console: Console
+) -> None:
     """Save it; one with the verdict FAIL is not written."""
-    for line in reason_lines(calibration):
-        console.print(line, soft_wrap=True)
-    if calibration.verdict == "FAIL":
-        reasons = tell_reasons(calibration.reasons, 1)
-        raise ManualCalibrationFailedError(f"no calibration written: {reasons}")
+    require_usable(calibration, figures, console)
     save_calibration(calibration, out)
     console.print(f"{out}")
 

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from threading import Event, Thread
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn
+from rich.progress import Progress as Bar
+
+from shoecal_core.progress import Progress
 
 QUIET_S = 10.0
 """A command says that it goes on after so long a time, and again after each."""
@@ -16,7 +19,7 @@ _TEXT = "{task.description}"
 
 
 @contextmanager
-def shown_progress() -> Iterator[Callable[[str, float], None]]:
+def shown_progress() -> Iterator[Progress]:
     """A bar that shows what is being done and the share done (0 to 1).
 
     Where standard error is no terminal, each new step is one line.
@@ -31,7 +34,7 @@ def shown_progress() -> Iterator[Callable[[str, float], None]]:
         TimeElapsedColumn(),
         TextColumn(_TEXT, markup=False),
     )
-    with Progress(*columns, console=console, transient=True) as bar:
+    with Bar(*columns, console=console, transient=True) as bar:
         task = bar.add_task("", total=1.0)
         yield lambda text, share: bar.update(task, description=text, completed=share)
 
@@ -59,7 +62,7 @@ def still_working(name: str, every: float = QUIET_S) -> Iterator[None]:
         reporter.join()
 
 
-def _lines(console: Console) -> Callable[[str, float], None]:
+def _lines(console: Console) -> Progress:
     last = ""
 
     def report(text: str, share: float) -> None:

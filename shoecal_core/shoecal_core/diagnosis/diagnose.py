@@ -28,12 +28,12 @@ from shoecal_core.error_sources.base import Effect, Place
 from shoecal_core.error_sources.effects.known import EFFECTS
 from shoecal_core.error_sources.signal_model import make_signal_model
 from shoecal_core.error_sources.tolerances import Tolerances
+from shoecal_core.progress import Progress, no_progress
 from shoecal_core.recording.errors import SessionError
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.train_test import split_runs
 from shoecal_core.samples.sampling import read_runs, samples_of
 
-Progress = Callable[[str, float], None]
 SHOWN = 20
 """Hypotheses that a ranking lists."""
 
@@ -62,7 +62,7 @@ def diagnose(
     without: frozenset[str] = frozenset(),
     only: Callable[[str, Place], bool] | None = None,
     effects: Sequence[Effect] = EFFECTS,
-    progress: Progress | None = None,
+    progress: Progress = no_progress,
 ) -> Diagnosis:
     """Find where model and reality differ, and why.
 
@@ -76,23 +76,25 @@ def diagnose(
         without: families of signals left out (`signals.FAMILIES`).
         only: whether to look for an effect at a place; None: everywhere (see `Wanted`).
         effects: the library.
-        progress: called with what is being done and the share done (0 to 1).
+        progress: see `Progress`.
 
     Raises:
         ShoecalError: when gaps and parameters cannot be separated in this session at all.
     """
     settings = DiagnosisSettings() if settings is None else settings
     tolerances = Tolerances() if tolerances is None else tolerances
-    report = progress or (lambda _text, _share: None)
     train, test = split_runs(session, train, test)
     read = read_runs(
-        session, (*train, *test), lambda text, share: report(text, 0.2 * share), weight_kg=weight_kg
+        session,
+        (*train, *test),
+        lambda text, share: progress(text, 0.2 * share),
+        weight_kg=weight_kg,
     )
     samples, zeros = samples_of(read, settings), zeros_in(read)
     train, test = (tuple(run for run in runs if run in samples.runs) for runs in (train, test))
     if rezero:
         samples = at_zeros(samples, zeros, train)
-    report("fitting with nothing added", 0.2)
+    progress("fitting with nothing added", 0.2)
     signal_model = make_signal_model(samples, first_parameters(samples, train), settings, without)
     wanted = only or (lambda _effect, _place: True)
     workspace = make_workspace(signal_model, effects, train, test, settings, tolerances, wanted)
@@ -104,7 +106,7 @@ def diagnose(
             "nothing of what was asked for can be looked at: there is no such place in this robot "
             "and these shoes, or the recording lacks what the effect needs",
         )
-    report("checking what is identifiable", 0.45)
+    progress("checking what is identifiable", 0.45)
     known = MeasuredBefore()
     if only is None:
         known = measure(
@@ -118,11 +120,11 @@ def diagnose(
         signal_model = make_signal_model(whole, first_parameters(whole, train), settings, without)
         mended = make_workspace(signal_model, effects, train, test, settings, tolerances, wanted)
     before = preflight(mended, settings)
-    report("trying every effect", 0.5)
+    progress("trying every effect", 0.5)
     exchange = rewired(mended, effects, settings, wanted)
     best = mended if exchange is None else exchange.workspace
     found = select(best, settings) if only is None else asked_for(best)
-    report("measuring the shrink", 0.8)
+    progress("measuring the shrink", 0.8)
     denied: tuple[str, ...] = ()
     if only is None:
         found, denied = borne_out(best, found, settings)
@@ -136,7 +138,7 @@ def diagnose(
     said = answer(best, certain, found, settings)
     if only is not None and not certain:
         said = replace(said, causes=tuple(causes_of(best, found)))
-    report("done", 1.0)
+    progress("done", 1.0)
     chosen = found.chosen if said.causes else None
     mended_gap = best.explained(None)[0]
     without_any = workspace.explained(None)[0] if certain else mended_gap

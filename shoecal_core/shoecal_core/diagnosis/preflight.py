@@ -103,11 +103,11 @@ def _gain(hypothesis: Hypothesis, left: FloatArray, sizes: FloatArray) -> float:
 
 def _missing_channels(workspace: Workspace) -> list[str]:
     """Lines for effects that need what was not recorded."""
-    tracks = workspace.signal_model.samples.tracks
-    lines = []
+    samples = workspace.signal_model.samples
+    tracks, lines = samples.tracks, list[str]()
     if all(track.temperature is None for track in tracks):
         lines.append("drifts with temperature: none was recorded, only drifts over time are found")
-    if any(track.efforts is None for track in tracks):
+    if samples.efforts is None:
         lines.append("off_axis_load: joint efforts were not recorded")
     if any(track.up is None for track in tracks):
         lines.append("floor_tilt apart from joint offsets and shifted masses: no /imu")

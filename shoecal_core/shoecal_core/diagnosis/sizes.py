@@ -11,7 +11,8 @@ from shoecal_core.diagnosis.result import Size
 from shoecal_core.diagnosis.scoring import Scored
 from shoecal_core.diagnosis.tempering import shares
 from shoecal_core.diagnosis.workspace import Workspace
-from shoecal_core.error_sources.base import FORM, Component, split_name
+from shoecal_core.error_sources.base import Component, split_name
+from shoecal_core.error_sources.deviation import FORM
 
 FloatArray = NDArray[np.float64]
 Z95 = 1.96

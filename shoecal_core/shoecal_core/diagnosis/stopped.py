@@ -24,9 +24,9 @@ from shoecal_core.diagnosis.shrink import shrink
 from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.error_sources.effects import places
 from shoecal_core.samples.samples import Samples
+from shoecal_core.samples.stretches import Stretch
 from shoecal_core.screening.blocks import reading_blocks
 from shoecal_core.screening.saturated import ended
-from shoecal_core.screening.stretches import Stretch
 from shoecal_core.screening.unresponsive import away, dead, halted
 from shoecal_core.shoe.wrench import at_cop, columns_in_left, combined, weight_below
 

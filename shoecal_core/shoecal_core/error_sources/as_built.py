@@ -12,7 +12,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.error_sources.base import ALL, Deviation, deviations
+from shoecal_core.error_sources.base import ALL, deviations
+from shoecal_core.error_sources.deviation import Deviation
 from shoecal_core.error_sources.effects import body, contact, geometry, places
 from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.signals import AIR

@@ -133,9 +133,8 @@ class Loads:
         """
         samples = self.samples
         torque = self.links.torque.copy()
-        if all(track.efforts is not None for track in samples.tracks):
-            efforts = samples.decimated(lambda track: np.asarray(track.efforts))
+        if samples.efforts is not None:
             shared = {one for pair in samples.robot.shared for one in (pair.joint, pair.leader)}
             own = [joint for joint in samples.robot.moved.tolist() if joint not in shared]
-            torque[:, own] = efforts[:, own]
+            torque[:, own] = samples.efforts[:, own]
         return torque

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
 FloatArray = NDArray[np.float64]
-ROUNDING = 1e-12
+ROUNDING = 1e-13
 """Added to the unit diagonal: columns that are alike to the last digit stay solvable."""
 
 

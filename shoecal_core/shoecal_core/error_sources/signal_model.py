@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.error_sources import body
+from shoecal_core.error_sources.deviation import Deviation
 from shoecal_core.error_sources.planes import cell_planes
 from shoecal_core.error_sources.responses import Responses
 from shoecal_core.error_sources.settings import SignalSettings
@@ -28,9 +28,6 @@ from shoecal_core.error_sources.signals import (
 from shoecal_core.error_sources.wiring import Wiring
 from shoecal_core.samples.samples import Samples
 from shoecal_core.shoe.wrench import ChannelParameters
-
-if TYPE_CHECKING:
-    from shoecal_core.error_sources.base import Deviation
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]

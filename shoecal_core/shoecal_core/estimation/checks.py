@@ -11,7 +11,7 @@ from shoecal_core.estimation.initial_guess import InitialGuess
 from shoecal_core.planning.supports.identifiability import Identifiability
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.samples.zeros import Zero
-from shoecal_core.screening.verdict import MOST_LISTED, Finding, tell_reasons
+from shoecal_core.screening.verdict import MOST_LISTED, Finding, list_reasons
 from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 
@@ -124,7 +124,7 @@ def check_directions(found: Identifiability, add: DoubleSupport | None) -> list[
     if not found.weak or found.rank >= found.possible:
         return []
     cure = _addition(add, "record more double supports with other yaws between the feet")
-    listed = tell_reasons([weak.words for weak in found.weak], MOST_DIRECTIONS)
+    listed = list_reasons([weak.words for weak in found.weak], MOST_DIRECTIONS)
     return [
         Finding(
             "WARN",

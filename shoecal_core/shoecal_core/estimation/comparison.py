@@ -50,8 +50,8 @@ class StanceComparison:
 def read_truths(session: Session, data: SessionData) -> dict[int, Truth]:
     """Truth of the runs that have one (only simulated ones do)."""
     return {
-        run: read_truth(session.truth_path(run), start)
-        for run, start in data.start_ns.items()
+        run: read_truth(session.truth_path(run), recorded.start_ns)
+        for run, recorded in data.runs.items()
         if session.truth_path(run).is_file()
     }
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.error_sources.base import Deviation
+from shoecal_core.error_sources.deviation import Deviation
 from shoecal_core.shoe.load_cases import single_support_outputs
 from shoecal_core.shoe.sensing import Sensing
 from shoecal_core.shoe.shoe import Shoe

@@ -15,8 +15,6 @@ from shoecal_core.report.assessment_content import assessment_content
 from shoecal_core.report.calibration_content import CalibrationReport, RunReport
 from shoecal_core.report.calibration_report import calibration_report
 from shoecal_core.report.origin import origin
-from shoecal_core.robot.kinematics import Kinematics
-from shoecal_core.samples.aligned import align
 from shoecal_core.screening.settings import CalibrationSettings
 
 SNAPSHOTS = 6
@@ -65,7 +63,6 @@ def session_content(
     provenance: Sequence[str] = (),
 ) -> CalibrationReport:
     """What the report shows; arguments as in `write_session_report`."""
-    kinematics = Kinematics(outcome.data.robot)
     by_run: dict[int, list[StanceComparison]] = {}
     known = truths or {}
     complete = known.keys() >= outcome.data.stances.keys()
@@ -76,7 +73,7 @@ def session_content(
         shoe=outcome.data.shoe,
         calibration=outcome.calibration,
         stages=outcome.stages,
-        runs=tuple(_run(session, outcome, kinematics, stances) for stances in by_run.values()),
+        runs=tuple(_run(outcome, stances) for stances in by_run.values()),
         assessed=assessment_content(outcome, settings),
         timing=timing or {},
         provenance=(*_origin(session, outcome), *provenance),
@@ -84,13 +81,8 @@ def session_content(
     )
 
 
-def _run(
-    session: Session,
-    outcome: CalibrationOutcome,
-    kinematics: Kinematics,
-    stances: Sequence[StanceComparison],
-) -> RunReport:
-    aligned = align(session.read(stances[0].stance.run), outcome.data.shoe, kinematics)
+def _run(outcome: CalibrationOutcome, stances: Sequence[StanceComparison]) -> RunReport:
+    aligned = outcome.data.aligned[stances[0].stance.run]
     shown = np.linspace(0, len(aligned.time) - 1, SNAPSHOTS).round().astype(int)
     return RunReport(tuple(stances), aligned.time[shown], aligned.joint_angles[shown])
 

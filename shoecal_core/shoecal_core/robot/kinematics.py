@@ -56,6 +56,12 @@ class BodyStates:
         """(T,) heading of the right sole seen from the left [rad]."""
         return np.arctan2(self.rotation[:, 1, 0], self.rotation[:, 0, 0])
 
+    @property
+    def right_sole(self) -> FloatArray:
+        """(T, 6) pose of the right sole in the left's frame: x, y, z, tilts about x and y, yaw."""
+        tilt = np.stack((self.rotation[:, 2, 1], -self.rotation[:, 2, 0]), axis=1)
+        return np.concatenate((self.translation, tilt, self.yaw[:, None]), axis=1)
+
     def support(self) -> DoubleSupport:
         """Where the right foot stands, from the median of all samples (feet do not move)."""
         dx, dy = np.median(self.translation[:, :2], axis=0)

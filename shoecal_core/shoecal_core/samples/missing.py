@@ -36,8 +36,8 @@ def missing(samples: Samples) -> list[str]:
         notes.append("no /imu in every run: a tilt of the floor is only seen by the CoP")
     if all(track.temperature is None for track in tracks):
         notes.append("no temperature: only drifts over time are looked for")
-    if all(track.efforts is None for track in tracks):
-        notes.append("no joint efforts: loads sideways on cells are not looked for")
+    if samples.efforts is None:
+        notes.append("no joint efforts in every run: loads sideways on cells are not looked for")
     if samples.loaded.all():
         notes.append("no foot is ever in the air: how the feet share the load is weakly fixed")
     moved = max(float(np.ptp(track.mean(track.com)[..., :2], axis=0).max()) for track in tracks)

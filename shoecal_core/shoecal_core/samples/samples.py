@@ -156,6 +156,13 @@ class Samples:
             return np.zeros(self.angles.shape[1])
         return np.array([_step(joint) for joint in np.concatenate(slow).T])
 
+    @cached_property
+    def efforts(self) -> FloatArray | None:
+        """(T, m) of the joints [N m]; None where a run has none."""
+        if any(track.efforts is None for track in self.tracks):
+            return None
+        return self.decimated(lambda track: np.asarray(track.efforts))
+
     def segment_means(self, values: FloatArray) -> FloatArray:
         """(T, ...) each sample's segment's mean."""
         segment = self.segment

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
 from shoecal_core.errors import FileError, ShoecalError
+from shoecal_core.progress import Progress, no_progress
 from shoecal_core.recording.errors import SessionError
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import Session
@@ -19,14 +20,16 @@ from shoecal_core.robot.robot import GRAVITY, Robot
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.samples.aligned import Aligned, align
 from shoecal_core.samples.clocks import check_clocks
-from shoecal_core.samples.contact import at_least_load, moves
+from shoecal_core.samples.contact import at_least_load
 from shoecal_core.samples.even import evenly
 from shoecal_core.samples.known_weight import carried, with_mass
+from shoecal_core.samples.lifting import TRANSIT_S, hanging_foot, height_change
 from shoecal_core.samples.missing import missing
 from shoecal_core.samples.momentum import standing_spin
 from shoecal_core.samples.samples import Samples, Track
 from shoecal_core.samples.settings import SampleSettings
 from shoecal_core.samples.side_channels import efforts, temperature, upwards
+from shoecal_core.samples.stretches import unchanged
 from shoecal_core.samples.walking_samples import Walk, find_walk, pieces
 from shoecal_core.shoe.shoe import Shoe
 
@@ -34,8 +37,6 @@ FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.int64]
 
-TRANSIT_S = 0.8
-"""Around lifting and landing, samples are left out for this long."""
 MIN_SEGMENT_S = 0.8
 LEAST_FILLED = 0.5
 """Part of a sample's time in which there must be readings."""
@@ -63,7 +64,7 @@ class Read:
 def read_runs(
     session: Session,
     runs: Sequence[int],
-    progress: Callable[[str, float], None] | None = None,
+    progress: Progress = no_progress,
     *,
     weight_kg: float | None = None,
 ) -> Read:
@@ -78,8 +79,7 @@ def read_runs(
     notes: list[str] = []
     read = []
     for index, number in enumerate(runs):
-        if progress is not None:
-            progress(f"reading run {number}", index / len(runs))
+        progress(f"reading run {number}", index / len(runs))
         try:
             run = session.read(number)
             if run.info.hanging:
@@ -159,7 +159,11 @@ def _parts(
         try:
             everything = np.ones(len(aligned.time), dtype=bool)
             counts = kept.get(run.info.run, everything)
-            hangs = _high(aligned, settings) if air is None else air.get(run.info.run, ~everything)
+            hangs = (
+                height_change(aligned.states) > settings.lifted_m
+                if air is None
+                else air.get(run.info.run, ~everything)
+            )
             part = _part(
                 run, aligned, counts, hangs, robot, shoe, settings, rate, at, segments, first_ns
             )
@@ -280,8 +284,9 @@ def _part(
         time=time,
         readings=aligned.readings,
         angles=aligned.joint_angles,
-        efforts=efforts(run, robot, time),
-        up=upwards(run, time),
+        # Efforts and IMU have the robot's stamps, as the angles have.
+        efforts=efforts(run, robot, time + aligned.late_s),
+        up=upwards(run, time + aligned.late_s),
         temperature=temperature(run, time),
         com=com,
         samples=slice(at, at + weights.shape[0]),
@@ -324,49 +329,27 @@ def _averaged(values: FloatArray, width: int) -> FloatArray:
     return values
 
 
-def _off(aligned: Aligned) -> FloatArray:
-    """(T,) by how much one foot is higher or lower against the other than it mostly is [m]."""
-    height = aligned.states.translation[:, 2]
-    off: FloatArray = np.abs(height - np.median(height))
-    return off
-
-
-def _high(aligned: Aligned, settings: SampleSettings) -> BoolArray:
-    """(T,) one foot is in the air, by the joints alone."""
-    high: BoolArray = _off(aligned) > settings.lifted_m
-    return high
-
-
 def _stances(
     aligned: Aligned, air: BoolArray, robot: Robot, shoe: Shoe, settings: SampleSettings
 ) -> tuple[IntArray, BoolArray]:
-    """Number of the stance of each sample, -1 between two; and which feet carry each stance.
-
-    A foot that the joints lift and the load does not is neither in the air nor on the floor.
-    """
-    states, time = aligned.states, aligned.time
-    centres = [foot.outline.mean(axis=0) for foot in robot.feet]
-    away = np.stack(
-        [np.linalg.norm(states.com[:, foot, :2] - centres[foot], axis=1) for foot in (0, 1)]
-    )
-    nearer = np.where(away[0] < away[1], 0, 1)
-    air = air.copy()
-    for part in _parts_of(np.where(air, 1 + nearer, 0)):
-        if air[part[0]] and moves(shoe, aligned.readings, part, 1 - int(nearer[part[0]])):
-            air[part] = False
+    """Number of the stance of each sample, -1 between two; and which feet carry each stance."""
+    time = aligned.time
+    hanging = hanging_foot(aligned, air, robot, shoe)
+    air = hanging >= 0
     near = np.zeros(len(air), dtype=bool)
     margin = max(1, round(TRANSIT_S * _rate(time)))
-    edges = np.flatnonzero(np.diff((_off(aligned) > 0.3 * settings.lifted_m).astype(int)) != 0)
+    off = height_change(aligned.states) > 0.3 * settings.lifted_m
+    edges = np.flatnonzero(np.diff(off.astype(int)) != 0)
     if air.any():
         for edge in edges:
             near[max(0, edge - margin) : edge + margin + 1] = True
-    standing = np.where(air, 1 + nearer, 0)
+    standing = np.where(air, 2 - hanging, 0)
     standing[near] = -1
     gaps = np.concatenate(([0], np.cumsum(np.diff(time) > 1.0)))
     unloaded = at_least_load(shoe, aligned.readings)
     stance = np.full(len(time), -1)
     loaded: list[tuple[bool, bool]] = []
-    for part in _parts_of(standing, gaps):
+    for part in unchanged(standing, gaps):
         kind = int(standing[part[0]])
         if kind < 0 or time[part[-1]] - time[part[0]] < MIN_SEGMENT_S:
             continue
@@ -375,12 +358,6 @@ def _stances(
         stance[part] = len(loaded)
         loaded.append(((True, True), (True, False), (False, True))[kind])
     return stance, np.array(loaded, dtype=bool).reshape(-1, 2)
-
-
-def _parts_of(*values: IntArray) -> list[IntArray]:
-    """Indices of each stretch in which none of the values (T,) changes."""
-    change = np.flatnonzero(np.any([np.diff(one) != 0 for one in values], axis=0)) + 1
-    return np.split(np.arange(len(values[0])), change)
 
 
 def _bins(

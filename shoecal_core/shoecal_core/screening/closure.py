@@ -1,7 +1,7 @@
 """Do both feet stand where they stood? Checked by the pose of one sole in the other's frame.
 
-Play and compliance let that wander a little. A foot that was lifted shows in height and tilt; one
-that slipped shows as a step that stays, at a moment at which the load on the cells steps too.
+Play and compliance let that wander a little. A foot that slipped shows as a step that stays, at a
+moment at which the load on the cells steps too.
 """
 
 from __future__ import annotations
@@ -15,16 +15,12 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
 from shoecal_core.error_sources.tolerances import Tolerances
-from shoecal_core.robot.kinematics import BodyStates
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.even import evenly
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 Key = TypeVar("Key", bound=Hashable)
-
-LIFT_M, LIFT_RAD = 0.003, 0.03
-"""A foot that is this much higher or more tilted than it mostly is does not stand."""
 
 PLACE = [0, 1, 5]
 """Of a pose: where the right foot stands."""
@@ -74,14 +70,6 @@ class Slipped:
     shift: FloatArray
 
 
-def lifted(states: BodyStates) -> BoolArray:
-    """(T,) one foot is in the air or on an edge."""
-    pose = _pose(states)[:, 2:5]
-    off = np.abs(pose - np.median(pose, axis=0))
-    high: BoolArray = np.any(off > (LIFT_M, LIFT_RAD, LIFT_RAD), axis=1)
-    return high
-
-
 def feet(aligned: Aligned, readings: FloatArray, standing: BoolArray) -> FootMotion:
     """What `slips` needs of a run.
 
@@ -90,7 +78,7 @@ def feet(aligned: Aligned, readings: FloatArray, standing: BoolArray) -> FootMot
         readings: (T, n) in place of the recorded ones.
         standing: (T,) samples to take.
     """
-    pose = _pose(aligned.states)
+    pose = aligned.states.right_sole
     return FootMotion(aligned.time[standing], pose[standing], readings[standing])
 
 
@@ -137,13 +125,6 @@ def _in_usual(steps: Mapping[Key, FloatArray], least: FloatArray) -> dict[Key, F
 def _lengths(steps: FloatArray, inverse: FloatArray) -> FloatArray:
     lengths: FloatArray = np.sqrt(np.einsum("ti,ti->t", steps @ inverse, steps))
     return lengths
-
-
-def _pose(states: BodyStates) -> FloatArray:
-    """(T, 6) of the right sole in the left's frame: x, y, z, tilt about x and y, yaw."""
-    turn = states.rotation
-    tilt = np.stack((turn[:, 2, 1], -turn[:, 2, 0]), axis=1)
-    return np.concatenate((states.translation, tilt, states.yaw[:, None]), axis=1)
 
 
 def _steps(values: FloatArray, time: FloatArray) -> FloatArray:

@@ -1,6 +1,6 @@
 """From a recorded run to the stances that a fit uses.
 
-A run in double support is one stance; one that lifts a foot is cut where it does (`unloading`).
+A run in double support is one stance; one that lifts a foot is cut where it does (`lifting`).
 Where the feet move (walking, stepping) `walking` finds the stances.
 """
 
@@ -14,11 +14,11 @@ from shoecal_core.recording.run import Run
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.contact import find_contact
+from shoecal_core.samples.lifting import LiftedFoot, detect_lifted_foot
 from shoecal_core.samples.stance import Stance, make_stance
 from shoecal_core.samples.walking import World, in_world, walking_stances
 from shoecal_core.samples.zeros import Zero, zeros_of_run
 from shoecal_core.screening.result import Screening
-from shoecal_core.screening.unloading import LiftedFoot, detect_lifted_foot
 from shoecal_core.shoe.shoe import Shoe
 
 BoolArray = NDArray[np.bool_]

@@ -6,12 +6,12 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from shoecal_core.samples.stretches import list_stretches
 from shoecal_core.screening.clocks import LARGEST_S
 from shoecal_core.screening.closure import Slipped
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.result import LeftOut
 from shoecal_core.screening.saturated import Saturated
-from shoecal_core.screening.stretches import list_stretches
 from shoecal_core.screening.unresponsive import Stuck
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.screening.weights import WrongWeight

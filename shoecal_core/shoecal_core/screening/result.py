@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.samples.stretches import Stretch
 from shoecal_core.screening.faults import Fault
-from shoecal_core.screening.stretches import Stretch
 from shoecal_core.screening.verdict import Finding
 
 BoolArray = NDArray[np.bool_]

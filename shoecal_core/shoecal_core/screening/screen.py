@@ -12,6 +12,8 @@ import numpy as np
 
 from shoecal_core.recording.run import Run
 from shoecal_core.samples.aligned import Aligned
+from shoecal_core.samples.lifting import detect_lifted_foot
+from shoecal_core.samples.stretches import JOIN_S, stretches
 from shoecal_core.screening import findings as words
 from shoecal_core.screening.blocks import blocks
 from shoecal_core.screening.disturbed import FAST_MOTION
@@ -21,8 +23,6 @@ from shoecal_core.screening.result import LeftOut, Screening
 from shoecal_core.screening.saturated import at_ends_or_marked, ended
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.screening.standing import screen_standing
-from shoecal_core.screening.stretches import JOIN_S, stretches
-from shoecal_core.screening.unloading import detect_lifted_foot
 from shoecal_core.screening.unresponsive import dead, halted, stuck
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import Shoe

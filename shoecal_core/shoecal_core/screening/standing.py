@@ -9,9 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.samples.aligned import Aligned
+from shoecal_core.samples.lifting import LiftedFoot, lifted
+from shoecal_core.samples.stretches import JOIN_S, lasting, stretches, widened
 from shoecal_core.screening import findings as words
 from shoecal_core.screening.blocks import Blocks, blocks
-from shoecal_core.screening.closure import FootMotion, Slipped, feet, lifted, slips
+from shoecal_core.screening.closure import FootMotion, Slipped, feet, slips
 from shoecal_core.screening.disturbed import disturbed
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.noise import noise
@@ -26,8 +28,6 @@ from shoecal_core.screening.saturated import (
 )
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.screening.spikes import find_leaps
-from shoecal_core.screening.stretches import JOIN_S, lasting, stretches, widened
-from shoecal_core.screening.unloading import LiftedFoot
 from shoecal_core.screening.weights import wrong_weights
 from shoecal_core.screening.wiring import check_wiring
 from shoecal_core.shoe.sensing import MINIMUM_FORCE

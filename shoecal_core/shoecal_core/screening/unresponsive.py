@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.samples.stretches import stretches
 from shoecal_core.screening.blocks import ReadingBlocks
 from shoecal_core.screening.following import NOISE_RANGE, StuckBlocks, halts, neighbours
-from shoecal_core.screening.stretches import stretches
 from shoecal_core.shoe.shoe import Shoe
 
 FloatArray = NDArray[np.float64]

@@ -39,7 +39,7 @@ def judge(findings: Sequence[Finding]) -> Verdict:
     return Verdict("PASS", ("every check passed",))
 
 
-def tell_reasons(reasons: Sequence[str], most: int = MOST_LISTED) -> str:
+def list_reasons(reasons: Sequence[str], most: int = MOST_LISTED) -> str:
     """Reasons in one line: the first of them, and how many more there are."""
     more = len(reasons) - most
     return "; ".join([*reasons[:most], *([f"and {more} more"] if more > 0 else [])])

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.simulation.reality import PlantVariation
-from shoecal_core.simulation.sampled_robot import SampledShoes
+from shoecal_core.simulation.sampled_parts import SampledShoes
 
 FloatArray = NDArray[np.float64]
 

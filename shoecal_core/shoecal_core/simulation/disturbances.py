@@ -1,28 +1,48 @@
-"""What befalls a simulated robot from outside.
-
-The robot lets every disturbance act once in each period of its servos, after it has cleared the
-forces of the period before.
-"""
+"""What acts on a simulated robot from outside, and what of the robot it may change."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Protocol
 
+import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.errors import NameNotFoundError
-from shoecal_core.simulation.robot import SimulatedRobot
-from shoecal_core.simulation.sampled_robot import link_names
+from shoecal_core.robot.robot import Robot
+from shoecal_core.simulation.compiled_robot import RobotPhysics
+from shoecal_core.simulation.sampled_parts import link_names
 
 FloatArray = NDArray[np.float64]
 
 
-class Disturbance(Protocol):
-    """Something that acts on a robot while it moves."""
+class MovingRobot(Protocol):
+    """A simulated robot, as far as disturbances need it.
 
-    def act(self, sim: SimulatedRobot, time: float) -> None:
+    Attributes:
+        robot: as its files say.
+        physics: as MuJoCo runs it.
+        data: MuJoCo's state.
+        run: number of the session's run that was begun last, from 1; 0 before the first.
+        strain: (a,) what servos aim at in this period less their commands [rad].
+    """
+
+    robot: Robot
+    physics: RobotPhysics
+    data: mujoco.MjData
+    run: int
+    strain: FloatArray
+
+
+class Disturbance(Protocol):
+    """Something that acts on a robot while it moves.
+
+    The robot lets every one act once in each period of its servos, after it has cleared the forces
+    of the period before.
+    """
+
+    def act(self, sim: MovingRobot, time: float) -> None:
         """Add the forces that are due, or to what strains the servos.
 
         Args:
@@ -46,7 +66,7 @@ class Push:
     start: float
     end: float
 
-    def act(self, sim: SimulatedRobot, time: float) -> None:
+    def act(self, sim: MovingRobot, time: float) -> None:
         """Push while it is time.
 
         Raises:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.simulation.sampled_robot import SampledBody
+from shoecal_core.simulation.sampled_parts import SampledBody
 
 FloatArray = NDArray[np.float64]
 

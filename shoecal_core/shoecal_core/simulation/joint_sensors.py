@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.simulation.compiled_robot import RobotPhysics
 from shoecal_core.simulation.encoders import Encoders
-from shoecal_core.simulation.robot_physics import RobotPhysics
 from shoecal_core.simulation.sampled_robot import SampledRobot
 from shoecal_core.simulation.snapshot import Snapshot
 

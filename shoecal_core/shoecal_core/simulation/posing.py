@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.robot.robot import Robot
+from shoecal_core.simulation.compiled_robot import RobotPhysics
 from shoecal_core.simulation.faults import SupportNotReachedError
-from shoecal_core.simulation.robot_physics import RobotPhysics
 from shoecal_core.simulation.shoe_physics import SoleReader
 
 FloatArray = NDArray[np.float64]

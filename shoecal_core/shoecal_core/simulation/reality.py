@@ -10,15 +10,13 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.errors import FieldError
-
-if TYPE_CHECKING:
-    from shoecal_core.simulation.effects.effect import Effect
+from shoecal_core.simulation.effects.effect import Effect
 
 ALL = "all"
 BASE = "base"

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
 
 from shoecal_core.files import Fields, read_yaml
-from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.effects.registry import read_effect
 from shoecal_core.simulation.reality import Bounds, Choices, NamedNumbers, PlantVariation
 
@@ -38,7 +37,7 @@ def _read(path: Path, base: PlantVariation | None) -> PlantVariation:
 
 def _section(fields: Fields, kind: type[Section], base: Section | None, *others: str) -> Section:
     """One section: what the file names, else what the base holds."""
-    hints = get_type_hints(kind, localns={"Effect": Effect}, include_extras=True)
+    hints = get_type_hints(kind, include_extras=True)
     fields.only(*others, *hints)
     return kind(
         **{

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.simulation.robot_physics import RobotPhysics
+from shoecal_core.simulation.compiled_robot import RobotPhysics
 from shoecal_core.simulation.shoe_physics import SoleReader, sole_name
 
 FloatArray = NDArray[np.float64]

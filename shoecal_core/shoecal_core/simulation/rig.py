@@ -13,7 +13,7 @@ from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_core.simulation.converter import AdConverter, ConvertedReadings
 from shoecal_core.simulation.reality import PlantVariation
-from shoecal_core.simulation.sampled_robot import SampledShoes
+from shoecal_core.simulation.sampled_parts import SampledShoes
 from shoecal_core.simulation.sensor_chain import SensorChain
 from shoecal_core.simulation.shoe_physics import (
     ChannelOutputs,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import mujoco
 import numpy as np
@@ -16,6 +15,7 @@ from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.simulation import robot_physics
 from shoecal_core.simulation.converter import AdConverter, ConvertedReadings
+from shoecal_core.simulation.disturbances import Disturbance
 from shoecal_core.simulation.encoders import Encoders
 from shoecal_core.simulation.faults import RobotFellError, SupportNotReachedError
 from shoecal_core.simulation.floor import FloorTruth, floor_truth, sideways_forces
@@ -29,9 +29,6 @@ from shoecal_core.simulation.set_points import SERVO_PERIOD, SetPoints
 from shoecal_core.simulation.shoe_physics import ChannelOutputs, SoleReader, floor_rotation
 from shoecal_core.simulation.snapshot import Snapshot
 from shoecal_core.simulation.stepping import advance
-
-if TYPE_CHECKING:
-    from shoecal_core.simulation.disturbances import Disturbance
 
 FloatArray = NDArray[np.float64]
 
@@ -200,7 +197,7 @@ class SimulatedRobot:
         """Begin a run of the session: what an effect does at a time in a run counts from now.
 
         Args:
-            disturbances: what befalls the robot in this run, in addition to its effects.
+            disturbances: what acts on the robot in this run, in addition to its effects.
             number: of the run; None for the next.
         """
         self.run = self.run + 1 if number is None else number

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import mujoco
 import numpy as np
 import pinocchio as pin
@@ -13,6 +11,7 @@ from shoecal_core.files import read_bytes
 from shoecal_core.robot.robot import GRAVITY, Robot
 from shoecal_core.robot.urdf import ROOT_JOINTS, UrdfError, with_locked_fixed
 from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.simulation.compiled_robot import RobotPhysics
 from shoecal_core.simulation.joint_friction import add_bristle
 from shoecal_core.simulation.sampled_robot import SampledRobot
 from shoecal_core.simulation.shoe_physics import ShoeBuilder, add_floor
@@ -32,25 +31,6 @@ _LEAST_TORQUE = 0.01
 """N m; of such a motor, be its links as light as they may."""
 _PAYLOAD_RADIUS = 0.02
 """m."""
-
-
-@dataclass(frozen=True)
-class RobotPhysics:
-    """A compiled world with one robot.
-
-    Attributes:
-        model: MuJoCo's.
-        positions: (m,) where each joint's motor angle stands in `qpos`.
-        motor: (m,) actuator that drives each joint.
-        ratio: (m,) motor angle over the angle of the actuator's own joint.
-        torque_limit: (a,) of the actuators [N m].
-    """
-
-    model: mujoco.MjModel
-    positions: IntArray
-    motor: IntArray
-    ratio: FloatArray
-    torque_limit: FloatArray
 
 
 def build(robot: Robot, shoe: Shoe, drawn: SampledRobot) -> RobotPhysics:

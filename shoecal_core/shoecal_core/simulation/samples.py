@@ -61,7 +61,7 @@ def run(
         trajectory: to follow.
         rate: samples a second.
         hold: how long it stands before and after [s].
-        disturbances: what befalls it meanwhile.
+        disturbances: what acts on it meanwhile.
 
     Raises:
         RobotFellError: when it falls.

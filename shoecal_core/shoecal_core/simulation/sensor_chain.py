@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.simulation.sampled_robot import SampledShoes
+from shoecal_core.simulation.sampled_parts import SampledShoes
 from shoecal_core.simulation.stage import Instant
 
 FloatArray = NDArray[np.float64]

@@ -21,7 +21,7 @@ from shoecal_core.errors import ShoecalError
 from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.shoe.shoe import AXES, FEET, Shoe
 from shoecal_core.simulation.reality import PlantVariation
-from shoecal_core.simulation.sampled_robot import SampledShoes
+from shoecal_core.simulation.sampled_parts import SampledShoes
 
 FloatArray = NDArray[np.float64]
 

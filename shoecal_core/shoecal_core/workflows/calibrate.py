@@ -92,6 +92,7 @@ def calibrate_session(
     weight_kg: float | None = None,
     rezero: bool = False,
     sheets: bool = True,
+    data: SessionData | None = None,
 ) -> CalibrationOutcome:
     """Self-calibration from a recording: by the joint fit, a walk by the least squares alone.
 
@@ -106,6 +107,7 @@ def calibrate_session(
         weight_kg: of robot and shoes, in place of the robot file's [kg].
         rezero: judge every run with its own zeros, where a foot hangs in it.
         sheets: whether to believe the data sheets of the sensors.
+        data: of exactly these runs, where it was loaded already, with the same settings.
 
     Raises:
         ShoecalError: when no calibration can be had from the session at all. A calibration
@@ -114,7 +116,8 @@ def calibrate_session(
     settings = CalibrationSettings() if settings is None else settings
     tolerances = Tolerances() if tolerances is None else tolerances
     train, test = split_runs(session, train, test)
-    data = load_data(session, (*train, *test), settings, weight_kg=weight_kg, sheets=sheets)
+    if data is None:
+        data = load_data(session, (*train, *test), settings, weight_kg=weight_kg, sheets=sheets)
     found = [*data.screening.findings, *check_missing(session.missing)]
     found += check_changed(session.changed_files if session.forced else ())
     if data.screening.fails:

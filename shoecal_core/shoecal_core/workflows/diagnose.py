@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -17,6 +16,7 @@ from shoecal_core.errors import NameNotFoundError, ShoecalError
 from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.estimation.series import errors, measured_series, modelled_series
 from shoecal_core.estimation.session_data import load_data
+from shoecal_core.progress import Progress, no_progress
 from shoecal_core.recording.session import Session
 from shoecal_core.report.origin import origin
 from shoecal_core.robot.robot_file import load_robot
@@ -25,7 +25,6 @@ from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.workflows.evaluation import load_calibration_of
 from shoecal_core.workflows.simulated_shrink import with_simulated_shrink
 
-Progress = Callable[[str, float], None]
 SIMULATED_FROM = 0.7
 """Share of the work after which the found effects are simulated."""
 
@@ -112,13 +111,12 @@ class Diagnosed:
         return result
 
 
-def do(job: DiagnosisJob, progress: Progress | None = None) -> Diagnosed:
+def do(job: DiagnosisJob, progress: Progress = no_progress) -> Diagnosed:
     """Diagnose, simulate what was found, and write the report.
 
     Raises:
         ShoecalError: for a session, a calibration or an option that cannot be used.
     """
-    report = progress or (lambda _text, _share: None)
     session = Session.open(job.session, force=job.force)
     effects = _library(job.effects_from)
     known = [effect.identifier for effect in effects]
@@ -139,10 +137,10 @@ def do(job: DiagnosisJob, progress: Progress | None = None) -> Diagnosed:
         without=job.without,
         only=job.wanted if job.only else None,
         effects=effects,
-        progress=lambda text, share: report(text, SIMULATED_FROM * share),
+        progress=lambda text, share: progress(text, SIMULATED_FROM * share),
     )
     if job.simulate and found.causes:
-        report("simulating what was found", SIMULATED_FROM)
+        progress("simulating what was found", SIMULATED_FROM)
         found = with_simulated_shrink(found, session)
         if not job.only:
             found = after_replay(found)
@@ -159,7 +157,7 @@ def do(job: DiagnosisJob, progress: Progress | None = None) -> Diagnosed:
             found, job.report, robot=robot, shoe=session.shoe, provenance=provenance
         )
     calibrated = None if calibration is None else _calibrated(calibration, session, found.test)
-    report("done", 1.0)
+    progress("done", 1.0)
     parameters = None if calibration is None else calibration.parameters
     return Diagnosed(
         job.session,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -24,13 +24,14 @@ from shoecal_core.estimation.series import (
 )
 from shoecal_core.estimation.session_data import load_data
 from shoecal_core.files import atomic_write, read_bytes
+from shoecal_core.progress import Progress, no_progress
 from shoecal_core.recording.errors import SessionError
 from shoecal_core.recording.session import ROBOT, URDF, Session
 from shoecal_core.robot.correction import ModelCorrection, corrected_urdf
 from shoecal_core.robot.robot import Robot, first_link
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.screening.settings import CalibrationSettings
-from shoecal_core.screening.verdict import tell_reasons
+from shoecal_core.screening.verdict import list_reasons
 from shoecal_core.workflows.calibrate import calibrate_session
 
 JOINT_ZERO, MASS, COM = "joint_offset", "link_mass", "link_com"
@@ -71,7 +72,7 @@ def correct_robot(
     test: Sequence[int],
     settings: CalibrationSettings,
     tolerances: Tolerances,
-    progress: Callable[[str, float], None] = lambda _text, _share: None,
+    progress: Progress = no_progress,
 ) -> CorrectedRobot:
     """Joint zeros and masses that a session finds, in copies of its robot file and URDF.
 
@@ -79,7 +80,7 @@ def correct_robot(
         session: recorded at rest.
         train, test: runs; see `split_runs`.
         settings, tolerances: of the fit.
-        progress: called with what is being done and the share done.
+        progress: see `Progress`.
 
     Raises:
         SessionError: of a session whose calibration fails its checks, or of a walk, whose fit
@@ -89,7 +90,7 @@ def correct_robot(
     progress("fitting all runs", 0.0)
     outcome = calibrate_session(session, train, test, settings, tolerances)
     if outcome.calibration.verdict == "FAIL":
-        reasons = tell_reasons(outcome.calibration.reasons, 1)
+        reasons = list_reasons(outcome.calibration.reasons, 1)
         raise SessionError(session.folder, f"no fit to correct the robot by: {reasons}")
     found = _found(session, outcome)
     held_out = [(outcome, outcome.test)]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,6 +17,7 @@ from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.standard import PlannedRun
 from shoecal_core.planning.steps import Stepper
 from shoecal_core.planning.supports.draw import other_supports
+from shoecal_core.progress import Progress
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.robot.robot import Robot
@@ -31,9 +32,6 @@ from shoecal_core.workflows.simulated_walk import walk
 START_NS = 1_000_000_000
 """Stamp of the session's first instant: simulated time has no epoch, but 0 means unset in ROS."""
 HOLD_S = 1.0
-
-Progress = Callable[[str, float], None]
-"""Called with what is being done, and the share done (0 to 1)."""
 
 
 @dataclass(frozen=True)

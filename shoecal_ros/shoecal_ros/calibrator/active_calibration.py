@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 
 from shoecal_core.estimation.calibration import Calibration
-from shoecal_core.screening.verdict import split_reason, tell_reasons
+from shoecal_core.screening.verdict import list_reasons, split_reason
 from shoecal_ros.common.codes import Code
 from shoecal_ros.common.health import Condition, Level
 from shoecal_ros.common.origin import Origin
@@ -69,7 +69,7 @@ class ActiveCalibration:
         code, message = Code.OK, f"'{made.id}' in force ({made.verdict})"
         if made.verdict != "PASS":
             code = Code.CALIBRATION_WARNED
-            message = f"{message}: {tell_reasons(self._reasons)}; correct that and calibrate again"
+            message = f"{message}: {list_reasons(self._reasons)}; correct that and calibrate again"
         # NaN, not known, is no gap.
         if abs(self.temperature - made.temperature) > largest_gap:
             code = Code.TEMPERATURE_GAP

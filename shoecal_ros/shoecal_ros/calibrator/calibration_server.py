@@ -18,7 +18,7 @@ from shoecal_core.estimation.calibration import (
     WrongShoeError,
     load_calibration,
 )
-from shoecal_core.screening.verdict import tell_reasons
+from shoecal_core.screening.verdict import list_reasons
 from shoecal_ros.calibrator.active_calibration import UNCALIBRATED, ActiveCalibration
 from shoecal_ros.calibrator.calibration_store import CalibrationStore, NotApplicableError
 from shoecal_ros.calibrator.calibrator_base import CalibratorBase
@@ -282,7 +282,7 @@ class CalibrationServer:
         """What is in force now, in words."""
         found = self.in_force
         assert found is not None
-        reasons = tell_reasons(found.calibration.reasons)
+        reasons = list_reasons(found.calibration.reasons)
         return f"{found.sentence}: {reasons}" if reasons else found.sentence
 
     def _refused(self, error: ShoecalError) -> str:

@@ -17,7 +17,7 @@ from shoecal_core.estimation.calibration import Calibration, load_calibration, s
 from shoecal_core.estimation.plausible import check_plausible
 from shoecal_core.files import make_folder, read_error, sha256, sync_folder, system_error
 from shoecal_core.robot.robot import Robot
-from shoecal_core.screening.verdict import tell_reasons
+from shoecal_core.screening.verdict import list_reasons
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_ros.calibrator.calibration_record import RecordEntry, read_record, write_record
 from shoecal_ros.common.codes import Problem, joined
@@ -133,7 +133,7 @@ class CalibrationStore:
                 f"calibration '{calibration.id}' was made {origin}, but this node runs in "
                 "wall-clock time; calibrate on the robot itself"
             )
-        reasons = tell_reasons(calibration.reasons)
+        reasons = list_reasons(calibration.reasons)
         if calibration.verdict == "FAIL":
             raise NotApplicableError(
                 f"calibration '{calibration.id}' failed its own checks ({reasons}); calibrate again"

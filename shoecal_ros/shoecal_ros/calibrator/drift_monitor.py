@@ -29,7 +29,7 @@ class DriftMonitor:
             self._compared = current
             self._watch.begin()
         if current is None:
-            node.health.tell("drift", Level.OK, "no calibration to compare with weight and model")
+            node.health.report("drift", Level.OK, "no calibration to compare with weight and model")
             return
         standstill = self._standstill()
         if standstill is not None:

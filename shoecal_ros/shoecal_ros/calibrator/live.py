@@ -130,7 +130,7 @@ class LiveSensing:
         return lives
 
     def flags(self, stale: tuple[bool, bool]) -> tuple[FootFlags, FootFlags]:
-        """How both feet fare, left and right.
+        """Condition of both feet, left and right.
 
         Args:
             stale: which of them has no fresh readings.

@@ -11,7 +11,7 @@ from rclpy.action.server import ServerGoalHandle
 from shoecal_msgs.action import Calibrate
 from shoecal_msgs.srv import SelfCalibrate
 
-from shoecal_core.screening.verdict import tell_reasons
+from shoecal_core.screening.verdict import list_reasons
 from shoecal_ros.calibrator.calibration_job import CalibrationJob, CalibrationRequest
 from shoecal_ros.calibrator.calibration_server import CalibrationServer
 from shoecal_ros.calibrator.calibrator_base import CalibratorBase
@@ -103,7 +103,7 @@ class SelfCalibrationServer:
                     calibration, job.request.run_id, warned=node.job_settings.apply_warned
                 )
             result.success = True
-            result.message = f"'{calibration.id}' in force: {tell_reasons(calibration.reasons)}"
+            result.message = f"'{calibration.id}' in force: {list_reasons(calibration.reasons)}"
         except RefusedError as refusal:
             node.log(Level.WARN, f"self-calibration ended: {refusal}")
             raise

@@ -1,4 +1,4 @@
-"""How a node fares: one line a subject, published when it changes and repeated at a slow rate."""
+"""Condition of a node: a line a subject, published when it changes and repeated at a slow rate."""
 
 from __future__ import annotations
 
@@ -94,15 +94,15 @@ class Health:
             }
         return values
 
-    def tell(
+    def report(
         self, subject: str, level: Level, message: str, code: Code = Code.OK, **values: object
     ) -> None:
-        """Note how a subject fares."""
+        """Note the condition of a subject."""
         reported = {key: str(value) for key, value in values.items()}
         self.note(subject, Condition(level, message, reported, code))
 
     def suppose(self, subject: str, condition: Condition) -> None:
-        """How a subject fares unless something else is reported: that is no news."""
+        """Its condition unless something else is reported: that is no news."""
         self._conditions[subject] = _clean(condition)
 
     def note(self, subject: str, condition: Condition) -> None:

@@ -14,7 +14,7 @@ ADAPTERS = ("nao_lola_adapter", "naoqi_adapter", "controller_adapter")
 SUITE = frozenset({"shoe_driver", "model", "planner", "calibrator", "simulator", *ADAPTERS})
 """Who is missed; not `voltage_stream`, which goes with the program that reads it."""
 SILENT_S = 3.5
-"""Every node reports once a second how it fares."""
+"""Every node reports its condition once a second."""
 ENDED = "ended"
 
 

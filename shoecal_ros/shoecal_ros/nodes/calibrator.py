@@ -56,7 +56,7 @@ class CalibratorNode(CalibratorBase):
         self._halt = Halt(self, self.arming)
 
     def watch(self) -> None:
-        """Report how everything fares."""
+        """Report the condition of everything."""
         problem = self.joints.problem or self.one_clock.problem
         figures = self.joints.heard.figures()
         self.health.note("joints", Condition.of(problem, "joints come", figures))

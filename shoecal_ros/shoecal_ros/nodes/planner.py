@@ -107,7 +107,7 @@ class PlannerNode(ShoecalNode):
         self._command.publish(trajectory_to_ros(trajectory))
 
     def watch(self) -> None:
-        """Disarm what is not in use, and report how joints and planning fare."""
+        """Disarm what is not in use, and report the condition of joints and planning."""
         if self._busy:
             self.arming.use()
         # Repeated while it holds: so everybody knows soon when this node is gone.
@@ -116,7 +116,7 @@ class PlannerNode(ShoecalNode):
         figures = self.joints.heard.figures()
         joints = Condition.of(self.joints.problem, "joint angles come", figures)
         self.health.note("joints", joints)
-        self.health.tell("arming", Level.OK, "armed" if self.arming.armed else "not armed")
+        self.health.report("arming", Level.OK, "armed" if self.arming.armed else "not armed")
         self.listeners.look()
         self.health.note("commands", self.listeners.condition(armed=self.arming.armed))
         self._report_planning()
@@ -151,7 +151,7 @@ class PlannerNode(ShoecalNode):
         """Whether this node alone offers to step: a goal reaches the one that answers first."""
         service = self.resolve_service_name(f"{REACH}/_action/send_goal")
         if self.count_services(service) > 1:
-            self.health.tell(
+            self.health.report(
                 "steps",
                 Level.WARN,
                 f"another node offers {REACH} too; let one of them do so (planner: steps, "
@@ -159,7 +159,7 @@ class PlannerNode(ShoecalNode):
                 Code.SECOND_STEPPER,
             )
         else:
-            self.health.tell("steps", Level.OK, f"this node offers {REACH}")
+            self.health.report("steps", Level.OK, f"this node offers {REACH}")
 
     def _arm(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         self.arming.set(request.data)

@@ -72,7 +72,7 @@ class ShoeDriverNode(ShoecalNode):
         self._thread.start()
 
     def watch(self) -> None:
-        """Report how the device fares, and look for others that send the same cells."""
+        """Report the condition of the device, and look for others that send the same cells."""
         if self._error is not None:
             # A node without its reader would look alive.
             raise self._error

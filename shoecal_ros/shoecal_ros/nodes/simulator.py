@@ -129,7 +129,7 @@ class SimulatorNode(ShoecalNode):
         self.wall_timer(TICK_S, self._tick)
 
     def watch(self) -> None:
-        """Report how the simulation fares."""
+        """Report the condition of the simulation."""
         self.health.note("robot", self._condition)
         self.health.note("listeners", self._body_publishers.condition)
         super().watch()

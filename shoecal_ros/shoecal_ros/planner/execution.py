@@ -95,11 +95,11 @@ class Execution:
             raise RefusedError(Plan.Result.NOT_FOLLOWED, f"not begun: {listeners.missing}")
         moving = self._mover.moving
         mover = self._mover
-        concern = hot(mover.senses, moving.hot_degc - moving.cool_by) or unwatched(
+        reason = hot(mover.senses, moving.hot_degc - moving.cool_by) or unwatched(
             mover.senses, mover.kinematics, moving, self.measured()
         )
-        if concern is not None:
-            raise RefusedError(concern.code, f"not begun: {concern.message}")
+        if reason is not None:
+            raise RefusedError(reason.code, f"not begun: {reason.message}")
 
     async def planned(self, start: Callable[[], Work[R]]) -> R:
         """What a worker's work gives; the robot may be disarmed, or the order cancelled.
@@ -241,11 +241,11 @@ class Execution:
         """Stop at once, or where both feet carry again."""
         assert self._watch is not None
         elapsed = part.follower.elapsed(part.stamp_ns)
-        concern = self._watch.look(elapsed, part.angles)
-        if concern is not None and not concern.can_wait:
-            raise self._stopped(part.at_rest, concern.code, f"stopped: {concern.message}")
+        reason = self._watch.look(elapsed, part.angles)
+        if reason is not None and not reason.can_wait:
+            raise self._stopped(part.at_rest, reason.code, f"stopped: {reason.message}")
         waited = part.waiting is not None
-        part.waiting = part.waiting or concern
+        part.waiting = part.waiting or reason
         if part.waiting is not None and self._watch.both_carry(elapsed):
             # A foot that has just come down is held down, not where it was measured.
             angles = part.expected if waited else part.at_rest

@@ -91,9 +91,9 @@ def _heat(senses: Senses, settings: MovingSettings) -> Condition:
     degc = senses.temperatures.degc
     found = heat.hottest(degc)
     figures = {} if found is None else {"joint": found[0], "degc": f"{found[1]:.1f}"}
-    concern = hot(senses, settings.hot_degc)
-    if concern is not None:
-        return Condition(Level.WARN, concern.message, figures, Code.MOTOR_HOT)
+    reason = hot(senses, settings.hot_degc)
+    if reason is not None:
+        return Condition(Level.WARN, reason.message, figures, Code.MOTOR_HOT)
     gone = silent(senses.motor_ages, settings.heat_stale_s)
     if gone:
         reported = f"nothing comes any more from {gone}: not watched; check the robot's driver"

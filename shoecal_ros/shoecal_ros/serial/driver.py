@@ -41,7 +41,7 @@ class Reading:
 
 @dataclass(frozen=True)
 class DriverStatus:
-    """How the driver fares.
+    """Condition of the driver.
 
     Attributes:
         source: port or log.
@@ -118,7 +118,7 @@ class SerialDriver:
         return readings + self._readings(batch, batch_ns)
 
     def status(self) -> DriverStatus:
-        """How the driver fares."""
+        """Condition of the driver."""
         return DriverStatus(
             source=self._source.status(),
             clock_resets=self._clock.resets,

@@ -107,7 +107,7 @@ class SerialSource:
             return [Received(event, receive_ns) for event in events]
 
     def status(self) -> SourceStatus:
-        """How the port fares."""
+        """Condition of the port."""
         with self._state:
             connected = self._port is not None
             problem: Problem | None = self._trouble

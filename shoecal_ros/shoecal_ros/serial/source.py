@@ -19,7 +19,7 @@ class Received:
 
 @dataclass(frozen=True)
 class SourceStatus:
-    """How a source fares.
+    """Condition of a source.
 
     Attributes:
         name: port or file.
@@ -52,7 +52,7 @@ class ByteSource(Protocol):
         """What has come, in order; waits at most `timeout_s` for something to come."""
 
     def status(self) -> SourceStatus:
-        """How the source fares."""
+        """Condition of the source."""
 
     def close(self) -> None:
         """Give back what is held, once a read in progress has ended; no frame comes after."""

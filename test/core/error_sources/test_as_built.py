@@ -14,7 +14,8 @@ from core.error_sources.altered import shifted
 from core.error_sources.shows import ALIKE, LEAST
 from core.estimation import synthetic
 from shoecal_core.error_sources.as_built import as_built, plates_column
-from shoecal_core.error_sources.base import ALL, Deviation
+from shoecal_core.error_sources.base import ALL
+from shoecal_core.error_sources.deviation import Deviation
 from shoecal_core.error_sources.settings import SignalSettings
 from shoecal_core.error_sources.signal_model import SignalModel, make_signal_model
 from shoecal_core.error_sources.signals import SIGNALS

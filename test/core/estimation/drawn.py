@@ -13,7 +13,8 @@ from core.error_sources import world
 from core.error_sources.altered import shifted
 from core.estimation import synthetic
 from shoecal_core.error_sources.as_built import of_body, of_shoes
-from shoecal_core.error_sources.base import ALL, Deviation
+from shoecal_core.error_sources.base import ALL
+from shoecal_core.error_sources.deviation import Deviation
 from shoecal_core.error_sources.settings import SignalSettings
 from shoecal_core.error_sources.signal_model import make_signal_model
 from shoecal_core.error_sources.tolerances import Tolerances

@@ -26,7 +26,7 @@ from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.samples.stance import Stance
 from shoecal_core.screening.findings import of_time_offset
 from shoecal_core.screening.settings import CalibrationSettings
-from shoecal_core.screening.verdict import Finding, judge, split_reason, tell_reasons
+from shoecal_core.screening.verdict import Finding, judge, list_reasons, split_reason
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 
@@ -178,5 +178,5 @@ def test_the_worst_finding_decides_and_all_are_told_worst_first() -> None:
 
 
 def test_many_reasons_are_counted_in_one_line() -> None:
-    assert tell_reasons(["a", "b", "c"], 3) == "a; b; c"
-    assert tell_reasons(["a", "b", "c"], 1) == "a; and 2 more"
+    assert list_reasons(["a", "b", "c"], 3) == "a; b; c"
+    assert list_reasons(["a", "b", "c"], 1) == "a; and 2 more"

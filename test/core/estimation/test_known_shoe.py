@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from shoecal_core.error_sources.as_built import plates_column
-from shoecal_core.error_sources.base import Deviation
+from shoecal_core.error_sources.deviation import Deviation
 from shoecal_core.estimation.known_shoe import KnownShoe, known_shoe
 from shoecal_core.shoe.correction import CopCorrection
 from shoecal_core.shoe.sensing import Sensing

@@ -10,7 +10,7 @@ from shoecal_core.errors import NameNotFoundError
 from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.simulation.disturbances import Push
 from shoecal_core.simulation.robot import SimulatedRobot
-from shoecal_core.simulation.sampled_robot import link_names
+from shoecal_core.simulation.sampled_parts import link_names
 from shoecal_core.simulation.samples import run
 
 

@@ -35,9 +35,8 @@ def verdict(supports: Sequence[DoubleSupport], findings: Sequence[Finding] = ())
         shoe=shoe,
         stances={run.run: (run,) for run in runs},
         samples=None,
-        start_ns=dict.fromkeys(range(1, len(runs) + 1), 0),
-        end_ns=1,
-        temperature=float("nan"),
+        runs={},
+        aligned={},
     )
     pairs = [(measured_series(stages.sensing, run), modelled_series(run)) for run in runs]
     modelled = {"train": errors(pairs)}

@@ -10,20 +10,20 @@ from shoecal_ros.common.health import AGAIN_S, Condition, Health, Level
 
 def test_news_are_told_once() -> None:
     health = Health()
-    health.tell("device", Level.OK, "reading")
+    health.report("device", Level.OK, "reading")
     assert list(health.news()) == ["device"]
-    health.tell("device", Level.OK, "reading", frames=3)
+    health.report("device", Level.OK, "reading", frames=3)
     assert health.news() == {}
     assert health.conditions["device"].values == {"frames": "3"}
-    health.tell("device", Level.ERROR, "unplugged", Code.PORT_LOST)
+    health.report("device", Level.ERROR, "unplugged", Code.PORT_LOST)
     assert health.news()["device"].message == "unplugged"
 
 
 def test_a_number_that_grows_is_no_news() -> None:
     health = Health()
-    health.tell("device", Level.ERROR, "no byte for 2.0 s", Code.PORT_SILENT)
+    health.report("device", Level.ERROR, "no byte for 2.0 s", Code.PORT_SILENT)
     health.news()
-    health.tell("device", Level.ERROR, "no byte for 13.1 s", Code.PORT_SILENT)
+    health.report("device", Level.ERROR, "no byte for 13.1 s", Code.PORT_SILENT)
     assert health.news() == {}
     assert health.conditions["device"].message == "no byte for 13.1 s"
 
@@ -34,12 +34,12 @@ def test_other_words_of_the_same_problem_wait_a_while() -> None:
     told = []
     for fault in ("no packet", "checksum wrong", "no packet", "no end") * 25:
         clock.now += 0.1
-        health.tell("device", Level.ERROR, f"no good frame ({fault})", Code.PORT_UNREADABLE)
+        health.report("device", Level.ERROR, f"no good frame ({fault})", Code.PORT_UNREADABLE)
         told += [one.message for one in health.news().values()]
     assert len(told) == 2, told
-    health.tell("device", Level.ERROR, "no byte", Code.PORT_SILENT)
+    health.report("device", Level.ERROR, "no byte", Code.PORT_SILENT)
     assert "device" in health.news(), "another problem is told at once"
-    health.tell("device", Level.ERROR, "no byte at all", Code.PORT_SILENT)
+    health.report("device", Level.ERROR, "no byte at all", Code.PORT_SILENT)
     assert health.news() == {}
     clock.now += AGAIN_S
     assert health.news()["device"].message == "no byte at all", "the last words are told in the end"
@@ -47,20 +47,20 @@ def test_other_words_of_the_same_problem_wait_a_while() -> None:
 
 def test_a_worse_level_is_news() -> None:
     health = Health()
-    health.tell("robot", Level.OK, "stands")
+    health.report("robot", Level.OK, "stands")
     health.news()
-    health.tell("robot", Level.WARN, "stands", Code.TRAJECTORY_REFUSED)
+    health.report("robot", Level.WARN, "stands", Code.TRAJECTORY_REFUSED)
     assert "robot" in health.news()
 
 
 def test_the_last_error_stays_to_be_seen() -> None:
     clock = Clock()
     health = Health(clock)
-    health.tell("device", Level.OK, "reading", frames=1)
+    health.report("device", Level.OK, "reading", frames=1)
     assert health.values("device") == {"code": "ok", "frames": "1"}
-    health.tell("device", Level.ERROR, "unplugged", Code.PORT_LOST)
+    health.report("device", Level.ERROR, "unplugged", Code.PORT_LOST)
     clock.now += 5.0
-    health.tell("device", Level.OK, "reading", frames=2)
+    health.report("device", Level.OK, "reading", frames=2)
     assert health.values("device") == {
         "code": "ok", "frames": "2", "last_error": "unplugged",
         "last_error_code": "port-lost", "last_error_age_s": "5",
@@ -69,7 +69,7 @@ def test_the_last_error_stays_to_be_seen() -> None:
 
 def test_what_a_peer_wrote_stays_one_line_of_bounded_length() -> None:
     health = Health()
-    health.tell(
+    health.report(
         "device",
         Level.ERROR,
         "also from 'a\n[FATAL] falls\x1b[2J'",
@@ -79,7 +79,7 @@ def test_what_a_peer_wrote_stays_one_line_of_bounded_length() -> None:
     condition = health.news()["device"]
     assert condition.message == "also from 'a [FATAL] falls\ufffd[2J'"
     assert condition.values == {"name": "b \ufffd"}
-    health.tell("device", Level.ERROR, "x\n" * 500_000 + "; plug it in again", Code.PORT_LOST)
+    health.report("device", Level.ERROR, "x\n" * 500_000 + "; plug it in again", Code.PORT_LOST)
     assert len(health.conditions["device"].message) <= LONGEST
     assert health.conditions["device"].message.endswith("plug it in again")
     assert "\n" not in health.values("device")["last_error"]
@@ -89,9 +89,9 @@ def test_what_a_peer_wrote_stays_one_line_of_bounded_length() -> None:
 
 def test_another_code_of_the_same_words_is_news() -> None:
     health = Health()
-    health.tell("device", Level.ERROR, "lost", Code.PORT_LOST)
+    health.report("device", Level.ERROR, "lost", Code.PORT_LOST)
     health.news()
-    health.tell("device", Level.ERROR, "lost", Code.PORT_CLOSED)
+    health.report("device", Level.ERROR, "lost", Code.PORT_CLOSED)
     assert "device" in health.news()
 
 

@@ -26,7 +26,7 @@ from shoecal_core.estimation.calibration import load_calibration, save_calibrati
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.kinematics import Kinematics
-from shoecal_core.screening.verdict import tell_reasons
+from shoecal_core.screening.verdict import list_reasons
 from shoecal_core.shoe.shoe import FEET
 from shoecal_ros.common import qos
 from shoecal_ros.common.codes import Code
@@ -668,7 +668,7 @@ def test_a_refused_result_comes_back_whole(world: World) -> None:
     assert not result.success
     found = calibration_from_ros(result.calibration)
     assert found.verdict in {"WARN", "FAIL"}
-    assert tell_reasons(found.reasons) in result.message
+    assert list_reasons(found.reasons) in result.message
     advice = f"shoe/apply shoecal_msgs/srv/Apply \"{{run_id: '{result.run_id}'}}\""
     assert (advice in result.message) == (found.verdict == "WARN")
     assert result.calibration.host == socket.gethostname()

@@ -133,21 +133,21 @@ def test_a_healthy_motion_raises_no_concern() -> None:
 def test_each_cause(reported: dict[str, object], code: int, can_wait: bool, words: str) -> None:
     watched = Watched()
     watched.tell(**reported)  # type: ignore[arg-type]
-    concern = None
+    reason = None
     for elapsed in (4.5, 5.0):
-        concern = watched.look(elapsed)
-    assert concern is not None
-    assert (concern.code, concern.can_wait) == (code, can_wait)
-    assert words in concern.message
+        reason = watched.look(elapsed)
+    assert reason is not None
+    assert (reason.code, reason.can_wait) == (code, can_wait)
+    assert words in reason.message
 
 
 def test_silence_can_wait() -> None:
     watched = Watched()
     watched.clock.now += SETTINGS.stale_s + 0.1
-    concern = watched.look(1.0)
-    assert concern is not None
-    assert (concern.code, concern.can_wait) == (Plan.Result.SENSORS_STALE, True)
-    assert "imu (0.6 s), shoe/voltages (0.6 s)" in concern.message
+    reason = watched.look(1.0)
+    assert reason is not None
+    assert (reason.code, reason.can_wait) == (Plan.Result.SENSORS_STALE, True)
+    assert "imu (0.6 s), shoe/voltages (0.6 s)" in reason.message
 
 
 def test_motors_that_tell_their_temperature_no_more() -> None:
@@ -157,10 +157,10 @@ def test_motors_that_tell_their_temperature_no_more() -> None:
         watched.tell(degc=math.nan)
         assert watched.look(1.0) is None
     watched.clock.now += 0.1
-    concern = watched.look(1.0)
-    assert concern is not None
-    assert (concern.code, concern.can_wait) == (Plan.Result.SENSORS_STALE, True)
-    assert "the temperature of 'LKneePitch' (10.1 s)" in concern.message
+    reason = watched.look(1.0)
+    assert reason is not None
+    assert (reason.code, reason.can_wait) == (Plan.Result.SENSORS_STALE, True)
+    assert "the temperature of 'LKneePitch' (10.1 s)" in reason.message
 
 
 def test_who_never_told_anything_is_not_missed() -> None:

@@ -143,14 +143,13 @@ def sideways(signal_model: SignalModel) -> FloatArray | None:
     least squares over each leg's joints. None where no efforts were recorded.
     """
     samples = signal_model.samples
-    if any(track.efforts is None for track in samples.tracks):
+    if samples.efforts is None:
         return None
-    efforts = samples.decimated(lambda track: np.asarray(track.efforts))
-    missing = efforts - signal_model.links.torque
+    missing = samples.efforts - signal_model.links.torque
     joints = samples.robot.moved
     side = signal_model.links.side[:, :, :2][..., joints]
-    forces = np.zeros((len(efforts), 2, 2))
-    for index in range(len(efforts)):
+    forces = np.zeros((len(missing), 2, 2))
+    for index in range(len(missing)):
         # torque = ... - J' f: a force on the foot lightens the motors.
         matrix = -side[index].reshape(4, -1).T
         forces[index] = np.linalg.lstsq(matrix, missing[index, joints], rcond=1e-3)[0].reshape(2, 2)

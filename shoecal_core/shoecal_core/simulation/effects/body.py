@@ -16,7 +16,7 @@ from shoecal_core.shoe.shoe import FEET
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.effects.location import Parts, read_feet, read_shift
 from shoecal_core.simulation.reality import ALL
-from shoecal_core.simulation.sampled_robot import SampledBody
+from shoecal_core.simulation.sampled_parts import SampledBody
 
 FloatArray = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from shoecal_core.files import Fields
 from shoecal_core.shoe.shoe import FEET
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.effects.location import read_feet
-from shoecal_core.simulation.sampled_robot import SampledShoes
+from shoecal_core.simulation.sampled_parts import SampledShoes
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from shoecal_core.files import Fields
 from shoecal_core.simulation.effects.location import Channels, IntArray
 from shoecal_core.simulation.effects.sensor_effect import SensorEffect
-from shoecal_core.simulation.sampled_robot import SampledShoes
+from shoecal_core.simulation.sampled_parts import SampledShoes
 from shoecal_core.simulation.stage import Instant, Memoryless, Place
 
 FloatArray = NDArray[np.float64]

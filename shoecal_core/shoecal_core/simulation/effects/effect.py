@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import mujoco
 
 from shoecal_core.robot.robot import Robot
-from shoecal_core.simulation.sampled_robot import SampledBody, SampledShoes
-
-if TYPE_CHECKING:
-    from shoecal_core.simulation.disturbances import Disturbance
+from shoecal_core.simulation.disturbances import Disturbance
+from shoecal_core.simulation.sampled_parts import SampledBody, SampledShoes
 
 
 class Effect:

@@ -13,7 +13,7 @@ from shoecal_core.files import Fields
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_core.simulation.reality import ALL, BASE
-from shoecal_core.simulation.sampled_robot import link_names
+from shoecal_core.simulation.sampled_parts import link_names
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -13,7 +13,7 @@ from shoecal_core.shoe.shoe import FEET
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.effects.location import Channels, read_feet
 from shoecal_core.simulation.effects.sensor_effect import SensorEffect
-from shoecal_core.simulation.sampled_robot import SampledShoes
+from shoecal_core.simulation.sampled_parts import SampledShoes
 from shoecal_core.simulation.stage import Instant, Memoryless, Place
 
 FloatArray = NDArray[np.float64]

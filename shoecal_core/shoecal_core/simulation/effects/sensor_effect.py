@@ -6,7 +6,7 @@ import dataclasses
 from abc import abstractmethod
 
 from shoecal_core.simulation.effects.effect import Effect
-from shoecal_core.simulation.sampled_robot import SampledShoes
+from shoecal_core.simulation.sampled_parts import SampledShoes
 from shoecal_core.simulation.stage import AnyStage
 
 

@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 
 from shoecal_core.files import Fields
 from shoecal_core.shoe.shoe import FEET
-from shoecal_core.simulation.disturbances import Disturbance
+from shoecal_core.simulation.disturbances import Disturbance, MovingRobot
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.effects.location import read_feet, read_shift
 from shoecal_core.simulation.restancing import Restancing
-from shoecal_core.simulation.robot import SimulatedRobot
 from shoecal_core.simulation.shoe_physics import tip_geoms
 
 FloatArray = NDArray[np.float64]
@@ -74,7 +73,7 @@ class _Slipping:
     _stance: Restancing | None = field(default=None, init=False)
     _correction: FloatArray = field(default_factory=lambda: np.zeros(3), init=False)
 
-    def act(self, sim: SimulatedRobot, time: float) -> None:
+    def act(self, sim: MovingRobot, time: float) -> None:
         """Loosen, strain the legs, and grip again."""
         since = time - self.slip.time if sim.run == self.slip.run else -1.0
         if since < 0.0:
@@ -93,12 +92,12 @@ class _Slipping:
             self._correction += _MENDED * (wanted - self._stance.moved(sim.data))
         sim.strain += self._stance(sim.data.act, wanted + self._correction)
 
-    def _grip(self, sim: SimulatedRobot, *, loose: bool) -> None:
+    def _grip(self, sim: MovingRobot, *, loose: bool) -> None:
         model = sim.physics.model
         tips = tip_geoms(model, self.foot)
         # With priority the tips' own friction counts, not the floor's.
         model.geom_priority[tips] = int(loose)
-        model.geom_friction[tips, 0] = _ICE if loose else sim.drawn.rules.floor.friction
+        model.geom_friction[tips, 0] = _ICE if loose else model.geom("floor").friction[0]
 
 
 EFFECTS: dict[str, Callable[[Fields], Effect]] = {"slip": Slip.read}

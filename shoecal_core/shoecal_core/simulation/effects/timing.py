@@ -14,7 +14,7 @@ from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.effects.location import IntArray, read_feet
 from shoecal_core.simulation.effects.relaxation import relaxed
 from shoecal_core.simulation.effects.sensor_effect import SensorEffect
-from shoecal_core.simulation.sampled_robot import SampledShoes
+from shoecal_core.simulation.sampled_parts import SampledShoes
 from shoecal_core.simulation.stage import Instant, Place, Stage
 
 FloatArray = NDArray[np.float64]

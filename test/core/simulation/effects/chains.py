@@ -14,7 +14,8 @@ from shoecal_core.shoe.shoe import Shoe, load_shoe
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.effects.registry import read_effect
 from shoecal_core.simulation.reality import PlantVariation
-from shoecal_core.simulation.sampled_robot import SampledShoes, draw_shoes
+from shoecal_core.simulation.sampled_parts import SampledShoes
+from shoecal_core.simulation.sampled_robot import draw_shoes
 from shoecal_core.simulation.sensor_chain import NO_SIDEWAYS, SensorChain
 
 FloatArray = NDArray[np.float64]

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from core.simulation.test_disturbances import standing_still
 from core.simulation.worlds import PERFECT, World, changed
 from shoecal_core.robot.robot import GRAVITY, Robot
-from shoecal_core.simulation.disturbances import Disturbance
+from shoecal_core.simulation.disturbances import Disturbance, MovingRobot
 from shoecal_core.simulation.effects.effect import Effect
-from shoecal_core.simulation.robot import SimulatedRobot
+from shoecal_core.simulation.sampled_parts import link_names
 from shoecal_core.simulation.samples import run
 from shoecal_core.simulation.shoe_physics import sole_name
 
@@ -71,8 +71,8 @@ class Rubbing(Effect):
 class Pull:
     rate: float
 
-    def act(self, sim: SimulatedRobot, time: float) -> None:
-        root = sim.physics.model.body(sim.drawn.body.links[0]).id
+    def act(self, sim: MovingRobot, time: float) -> None:
+        root = sim.physics.model.body(link_names(sim.robot)[0]).id
         sim.data.xfrc_applied[root, 2] += self.rate * max(time, 0.0) * sim.run
 
 

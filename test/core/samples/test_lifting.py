@@ -13,13 +13,12 @@ from shoecal_core.recording.run import Run
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.samples.aligned import Aligned
-from shoecal_core.samples.sampling import TRANSIT_S
+from shoecal_core.samples.lifting import LEAST_AIR_S, TRANSIT_S, UNLOADING, detect_lifted_foot
 from shoecal_core.samples.stance import Stance
 from shoecal_core.screening.extract import stances_of
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.result import Screening
 from shoecal_core.screening.screen import screen
-from shoecal_core.screening.unloading import LEAST_AIR_S, UNLOADING, detect_lifted_foot
 from shoecal_core.shoe.wrench import at_cop, weight_below
 from shoecal_core.workspace import config_dir
 

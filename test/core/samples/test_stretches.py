@@ -6,7 +6,14 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shoecal_core.screening.stretches import MOST_TIMES, lasting, list_stretches, stretches, widened
+from shoecal_core.samples.stretches import (
+    MOST_TIMES,
+    lasting,
+    list_stretches,
+    stretches,
+    unchanged,
+    widened,
+)
 
 TIME = np.arange(0.0, 10.0, 0.1)
 
@@ -54,3 +61,8 @@ def test_times_for_a_person() -> None:
     assert list_stretches([(7.0, 8.5), (1.2, 1.2)]) == "at 1.2 s, 7.0 to 8.5 s"
     many = [(float(k), k + 0.1 * k) for k in range(1, MOST_TIMES + 3)]
     assert list_stretches(many) == "at 3.0 to 3.3 s, 4.0 to 4.4 s, 5.0 to 5.5 s, 2 more times"
+
+
+def test_parts_in_which_nothing_changes() -> None:
+    parts = unchanged(np.array([0, 0, 1, 1, 1]), np.array([2, 2, 2, 3, 3]))
+    assert [part.tolist() for part in parts] == [[0, 1], [2], [3, 4]]

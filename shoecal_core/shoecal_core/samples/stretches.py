@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
+IntArray = NDArray[np.int64]
 Stretch = tuple[float, float]
 
 JOIN_S = 1.0
@@ -48,6 +49,12 @@ def lasting(mask: BoolArray, time: FloatArray, least_s: float) -> BoolArray:
         if end - start >= least_s:
             long |= mask & (time >= start) & (time <= end)
     return long
+
+
+def unchanged(*values: IntArray) -> list[IntArray]:
+    """Indices of each stretch in which none of the values (T,) changes."""
+    change = np.flatnonzero(np.any([np.diff(one) != 0 for one in values], axis=0)) + 1
+    return np.split(np.arange(len(values[0])), change)
 
 
 def list_stretches(found: Sequence[Stretch]) -> str:

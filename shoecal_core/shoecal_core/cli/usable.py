@@ -1,0 +1,36 @@
+"""Whether a calibration that was found may be used."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from rich.console import Console
+
+from shoecal_core.cli.tables import reason_lines
+from shoecal_core.errors import PartialError
+from shoecal_core.estimation.calibration import Calibration
+from shoecal_core.screening.verdict import list_reasons
+
+
+class CalibrationFailedError(PartialError):
+    """A calibration was found that must not be used."""
+
+
+def require_usable(
+    calibration: Calibration, figures: Mapping[str, object], console: Console
+) -> None:
+    """Show the reasons of its verdict, and refuse it where that is FAIL.
+
+    Args:
+        calibration: found.
+        figures: of it, for machines.
+        console: to show the reasons on.
+
+    Raises:
+        CalibrationFailedError: it must not be used.
+    """
+    for line in reason_lines(calibration):
+        console.print(line, soft_wrap=True)
+    if calibration.verdict == "FAIL":
+        reasons = list_reasons(calibration.reasons, 1)
+        raise CalibrationFailedError(f"no calibration written: {reasons}", figures)
