@@ -38,11 +38,8 @@ from shoecal_core.report.page import (
     PageVerdict,
     Reason,
     Section,
-    StillStrip,
 )
 from shoecal_core.report.quantities import mean_error, uncertain
-from shoecal_core.report.run_strip import run_strip
-from shoecal_core.report.scene.offscreen import tried
 from shoecal_core.report.zeros_section import zeros_section
 from shoecal_core.screening.verdict import split_reason
 from shoecal_core.shoe.shoe import FEET
@@ -63,23 +60,18 @@ def calibration_report(path: Path, content: CalibrationReport) -> None:
     Raises:
         FileError: when it cannot be written.
     """
-    write_page(path, calibration_page(content, tried(lambda: run_strip(content))))
+    write_page(path, calibration_page(content))
 
 
-def calibration_page(content: CalibrationReport, seen: StillStrip | str | None = None) -> Page:
-    """The report, ready to be rendered; the same content makes the same page.
-
-    Args:
-        content: what it shows.
-        seen: the robot in motion, or why it cannot be seen.
-    """
+def calibration_page(content: CalibrationReport) -> Page:
+    """The report, ready to be rendered; the same content makes the same page."""
     return Page(
         title=f"Calibration of {content.shoe.name} on {content.robot.name}",
         subtitle=subtitle(content),
         verdict=verdict_of(content.calibration),
         key_figures=_key_figures(content),
         sections=(_accuracy(content), *_assessment(content), _channels(content),
-                  *zeros_section(content.zeros), _runs(content, seen), _feet(content),
+                  *zeros_section(content.zeros), _runs(content), _feet(content),
                   _details(content)),
         provenance=content.provenance,
     )  # fmt: skip
@@ -177,9 +169,7 @@ def _channels(content: CalibrationReport) -> Section:
     return Section("Channels", (group,))
 
 
-def _runs(content: CalibrationReport, seen: StillStrip | str | None) -> Section:
-    text = seen if isinstance(seen, str) else ""
-    first = (Group(strip=seen),) if isinstance(seen, StillStrip) else ()
+def _runs(content: CalibrationReport) -> Section:
     groups = tuple(
         Group(
             title=f"Run {run.run} · {set_name(run)}",
@@ -188,7 +178,7 @@ def _runs(content: CalibrationReport, seen: StillStrip | str | None) -> Section:
         )
         for run in content.runs
     )
-    return Section("Runs", (*first, *groups), text)
+    return Section("Runs", groups)
 
 
 def _support_line(double_support: bool, text: str) -> str:

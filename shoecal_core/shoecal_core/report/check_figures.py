@@ -3,55 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from shoecal_core.recording.session import RunEntry
 from shoecal_core.report import palette
 from shoecal_core.report.check_content import CheckReport
 from shoecal_core.report.figures.strips import Strip, strips
-from shoecal_core.report.page import Picture, StillStrip
+from shoecal_core.report.page import Picture
 from shoecal_core.report.palette import Look
 from shoecal_core.report.quantities import quantity
-from shoecal_core.report.scene.stills import StillInstant, instant, stills
 
-FloatArray = NDArray[np.float64]
-
-COUNT = 6
-"""Instants of the robot shown."""
 FEET_LOOKS = (Look(palette.BLUE, 1.1), Look(palette.RED, 1.1))
 """Left, right."""
-
-
-def recorded_strip(content: CheckReport) -> StillStrip | None:
-    """The robot in its first run; None where no run's joint angles and readings go together.
-
-    Raises:
-        NoPictureError: where nothing can draw it.
-    """
-    number = next((one.run for one in content.entries if one.run in content.aligned), None)
-    if number is None:
-        return None
-    aligned = content.aligned[number]
-    # Forces are not known before the calibration: the modelled CoP is shown.
-    cop = aligned.states.cop[:, 0]
-    shown = np.linspace(0, len(aligned.time) - 1, COUNT).round().astype(int).tolist()
-
-    def at(sample: int) -> StillInstant:
-        trail = cop[: sample + 1 : max(1, len(cop) // 150)]
-        label = f"{aligned.time[sample]:.1f} s"
-        unknown = np.full(2, np.nan)
-        angles = aligned.joint_angles[sample]
-        return instant(content.robot, label, angles, unknown, 0.0, trail)
-
-    drawn = stills(content.robot, content.session.shoe, [[at(sample) for sample in shown]])
-    return StillStrip(
-        f"The robot in run {number}",
-        drawn[0],
-        "Posed by the recorded joint angles; limbs are as thick as their mass requires. Red "
-        "line: where the model has had the CoP, seen through the feet; dashed: from the "
-        "CoM down. Left leg blue, right leg orange; the lighter floor is the hull of the sensing "
-        "polygons.",
-    )
 
 
 def raw_picture(content: CheckReport, entry: RunEntry) -> Picture:

@@ -10,7 +10,7 @@ from shoecal_core.recording.session import RunEntry
 from shoecal_core.report.assessment_figures import left_out_spans
 from shoecal_core.report.assessment_tables import findings_table, left_out_table
 from shoecal_core.report.check_content import CheckReport
-from shoecal_core.report.check_figures import raw_picture, recorded_strip
+from shoecal_core.report.check_figures import raw_picture
 from shoecal_core.report.html import write_page
 from shoecal_core.report.origin import origin, robot_text, shoe_text
 from shoecal_core.report.page import (
@@ -20,11 +20,9 @@ from shoecal_core.report.page import (
     PageVerdict,
     Reason,
     Section,
-    StillStrip,
     Table,
 )
 from shoecal_core.report.quantities import UNKNOWN, double_support_text, quantity, uncertain
-from shoecal_core.report.scene.offscreen import tried
 from shoecal_core.report.zeros_section import zeros_section
 from shoecal_core.robot.robot import GRAVITY
 
@@ -41,16 +39,11 @@ def check_report(path: Path, content: CheckReport) -> None:
     Raises:
         FileError: when it cannot be written.
     """
-    write_page(path, check_page(content, tried(lambda: recorded_strip(content))))
+    write_page(path, check_page(content))
 
 
-def check_page(content: CheckReport, seen: StillStrip | str | None = None) -> Page:
-    """The report, ready to be rendered; the same content makes the same page.
-
-    Args:
-        content: what it shows.
-        seen: the robot in motion, or why it cannot be seen.
-    """
+def check_page(content: CheckReport) -> Page:
+    """The report, ready to be rendered; the same content makes the same page."""
     session = content.session
     runs = [entry.run for entry in content.entries]
     count = len(runs)
@@ -61,7 +54,7 @@ def check_page(content: CheckReport, seen: StillStrip | str | None = None) -> Pa
         verdict=_verdict(content),
         key_figures=_key_figures(content),
         sections=(
-            _runs(content, seen),
+            _runs(content),
             _left_out(content),
             *zeros_section(content.zeros),
             *_raw(content),
@@ -114,7 +107,7 @@ def _supports(content: CheckReport) -> set[tuple[float, float, float]]:
     return {(round(one.dx, 3), round(one.dy, 3), round(one.dtheta, 2)) for one in places}
 
 
-def _runs(content: CheckReport, seen: StillStrip | str | None) -> Section:
+def _runs(content: CheckReport) -> Section:
     rows = tuple(
         (
             f"run {entry.run}",
@@ -130,9 +123,8 @@ def _runs(content: CheckReport, seen: StillStrip | str | None) -> Section:
     )
     header = ("", "set", "motion", "right foot from the left", "duration", "joint angles",
               "readings", "notes")  # fmt: skip
-    strip = seen if isinstance(seen, StillStrip) else None
-    group = Group(strip=strip, tables=(Table("Runs", header, rows),) if rows else ())
-    return Section("What was recorded", (group,), seen if isinstance(seen, str) else "")
+    group = Group(tables=(Table("Runs", header, rows),) if rows else ())
+    return Section("What was recorded", (group,))
 
 
 def _left_out(content: CheckReport) -> Section:

@@ -8,7 +8,7 @@ PAGE = """\
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <meta name="color-scheme" content="light dark">
 <meta http-equiv="Content-Security-Policy"
- content="default-src 'none'; style-src 'unsafe-inline'; img-src data:
+ content="default-src 'none'; style-src 'unsafe-inline'
  {%- if page.animated %}; script-src {{ script_hash }}{% endif %}">
 <title>{{ page.title }}</title>
 <style>
@@ -75,20 +75,6 @@ PAGE = """\
 {% endif %}
 {% if group.text %}
 <p class="text">{{ group.text | true_minus }}</p>
-{% endif %}
-{% if group.strip %}
-<figure class="strip">
-<h4>{{ group.strip.title }}</h4>
-<div class="stills">
-{% for still in group.strip.stills %}
-<p><img src="{{ still.uri }}" alt="{{ still.alt }}" width="{{ still.width }}"
- height="{{ still.height }}"><span>{{ still.label }}</span></p>
-{% endfor %}
-</div>
-{% if group.strip.caption %}
-<figcaption>{{ group.strip.caption }}</figcaption>
-{% endif %}
-</figure>
 {% endif %}
 {% if group.player %}
 <figure class="player">
@@ -231,10 +217,6 @@ figure{background:var(--card);border:1px solid var(--rule);border-radius:8px;
 figure.tall{grid-row:span 2}
 figure svg{display:block;width:100%;max-width:470px;height:auto;margin:0 auto;overflow:visible;
  stroke-linejoin:round;stroke-linecap:butt}
-figure.strip{margin-top:10px}
-.stills{display:grid;grid-template-columns:repeat(auto-fit,minmax(104px,1fr));gap:8px 4px}
-.stills p{text-align:center;font-size:13px;color:var(--muted)}
-.stills img{display:block;width:100%;max-width:225px;height:auto;margin:0 auto}
 figcaption,.note{font-size:13px;line-height:1.45}
 figcaption{margin-top:8px}
 .tables{display:grid;gap:14px;margin-top:14px}
@@ -284,7 +266,6 @@ h3{margin-top:12px}
 .paired{display:grid;grid-template-columns:minmax(0,1fr) minmax(0,2fr);gap:8px;align-items:start}
 .paired>.pictures,.paired>.tables{margin-top:0}
 .paired .pictures{grid-template-columns:minmax(0,1fr)}
-.stills{grid-template-columns:repeat(6,1fr)}
 figure{padding:6px 8px}
 h4{margin-bottom:3px}
 .table{overflow:visible}
