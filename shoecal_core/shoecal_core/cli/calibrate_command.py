@@ -95,7 +95,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         # Matplotlib takes a second to load, which most calls need not wait for.
         from shoecal_core.report.session_report import write_session_report  # noqa: PLC0415
 
-        write_session_report(args.report, session, outcome, settings=settings)
+        write_session_report(args.report, session, outcome)
     for line in reason_lines(calibration):
         console.print(line, soft_wrap=True)
     if calibration.verdict == "FAIL":

@@ -9,11 +9,10 @@ from shoecal_core.estimation.series import Series
 from shoecal_core.report import palette
 from shoecal_core.report.calibration_content import CalibrationReport, RunReport
 from shoecal_core.report.figures.bars import Bar, mae_bars
+from shoecal_core.report.figures.feet import CopPath, cop_plane, cop_under_feet, foot_shape
 from shoecal_core.report.figures.intervals import IntervalColumn, intervals
 from shoecal_core.report.figures.motion import skeleton, snapshots
-from shoecal_core.report.figures.plane import CopPath, cop_plane, cop_under_feet
 from shoecal_core.report.figures.series import Line, cop_and_grf, errors_in_time
-from shoecal_core.report.foot_shapes import foot_shape
 from shoecal_core.report.page import Picture
 from shoecal_core.report.palette import Look
 from shoecal_core.report.quantities import channel_units, mean_error
@@ -54,17 +53,6 @@ def accuracy_pictures(content: CalibrationReport) -> tuple[Picture, ...]:
             found = run.errors(name)
             by_run.append(Bar(run_label(run, content), look, label, run.test, found.grf, found.cop))
     pictures.append(Picture(title, mae_bars(by_run), against))
-    if content.has_truth:
-        bars = [
-            Bar(f"{foot} foot", look, label, test, found.foot_grf[index], found.foot_cop[index])
-            for index, foot in enumerate(FEET)
-            for label, look, test, found in stages
-        ]
-        pictures.append(
-            Picture(
-                "Each foot by itself", mae_bars(bars), "The feet's errors can cancel in the sum."
-            )
-        )
     return tuple(pictures)
 
 

@@ -7,9 +7,11 @@ from pathlib import Path
 
 from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.estimation.series import Errors
-from shoecal_core.report.assessment_section import (
+from shoecal_core.report.assessment import (
     assessment_section,
+    carried,
     expected_keys,
+    possible,
     time_offset_text,
 )
 from shoecal_core.report.calibration_content import CalibrationReport
@@ -121,9 +123,9 @@ def _key_figures(content: CalibrationReport) -> tuple[KeyFigure, ...]:
         late = time_offset_text(assessed, content.calibration.time_offset)
         expected = expected_keys(assessed)
         # What to plan with comes first: against the model nearly every fit looks good.
-        keys = [*expected, *keys] if assessed.carried else [*keys, *expected]
+        keys = [*expected, *keys] if carried(assessed) else [*keys, *expected]
         keys += [
-            KeyFigure("identified", f"{assessed.assessment.told.rank} of {assessed.possible}",
+            KeyFigure("identified", f"{assessed.told.rank} of {possible(assessed)}",
                       "directions of gains and offsets"),
             KeyFigure("time offset", late, "joints after readings; 95 % interval"),
         ]  # fmt: skip

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
+
+import numpy as np
 
 from shoecal_core.estimation.weight import Weighed
 from shoecal_core.recording.info import RunInfo
-from shoecal_core.recording.session import RunEntry
-from shoecal_core.report.assessment_figures import left_out_spans
-from shoecal_core.report.assessment_tables import findings_table, left_out_table
-from shoecal_core.report.check_content import CheckReport
-from shoecal_core.report.check_figures import raw_picture
+from shoecal_core.recording.run import Run
+from shoecal_core.recording.session import RunEntry, Session
+from shoecal_core.report import palette
+from shoecal_core.report.assessment import findings_table, left_out_spans, left_out_table
+from shoecal_core.report.figures.strips import Strip, strips
 from shoecal_core.report.html import write_page
 from shoecal_core.report.origin import origin, robot_text, shoe_text
 from shoecal_core.report.page import (
@@ -18,19 +22,107 @@ from shoecal_core.report.page import (
     KeyFigure,
     Page,
     PageVerdict,
+    Picture,
     Reason,
     Section,
     Table,
 )
+from shoecal_core.report.palette import Look
 from shoecal_core.report.quantities import UNKNOWN, double_support_text, quantity, uncertain
 from shoecal_core.report.zeros_section import zeros_section
-from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.robot.robot import GRAVITY, Robot
+from shoecal_core.samples.aligned import Aligned
+from shoecal_core.samples.zeros import ZeroFigures
+from shoecal_core.screening.result import Screening
 
+FEET_LOOKS = (Look(palette.BLUE, 1.1), Look(palette.RED, 1.1))
+"""Left, right."""
 MEANING = {
     "PASS": "This session is fit for a calibration.",
     "WARN": "This session is fit for a calibration: read the warnings first.",
     "FAIL": "This session cannot be calibrated from as it is.",
 }
+
+
+@dataclass(frozen=True)
+class CheckReport:
+    """A session as `shoecal check` finds it.
+
+    Attributes:
+        session: the folder.
+        robot: in its shoes.
+        entries: of the runs that can be read.
+        runs: by number.
+        aligned: of them, where joint angles and readings go together.
+        screening: what was found in them.
+        problems: what is in the way of a calibration, a line each.
+        warnings: what is not, but should be looked at.
+        zeros: what feet read in the air.
+        weighed: the weight by data sheets; None where it cannot be known.
+    """
+
+    session: Session
+    robot: Robot
+    entries: tuple[RunEntry, ...]
+    runs: Mapping[int, Run]
+    aligned: Mapping[int, Aligned]
+    screening: Screening
+    problems: tuple[str, ...]
+    warnings: tuple[str, ...]
+    zeros: tuple[ZeroFigures, ...] = ()
+    weighed: Weighed | None = None
+
+    @property
+    def verdict(self) -> str:
+        """PASS, WARN or FAIL."""
+        return "FAIL" if self.problems else "WARN" if self.warnings else "PASS"
+
+
+def raw_picture(content: CheckReport, entry: RunEntry) -> Picture:
+    """Each channel of one run against time, over its own range in the whole session."""
+    shoe, readings = content.session.shoe, content.runs[entry.run].readings
+    faulty = {
+        name for one in content.screening.left_out if one.run == entry.run for name in one.channels
+    }
+    rows = []
+    for index, channel in enumerate(shoe.channels):
+        low, high = _range(content, index)
+        values = readings.value[:, index]
+        known = np.isfinite(values)
+        moved = (
+            np.where(known, np.abs(values - np.median(values[known])), -1.0)
+            if known.any()
+            else None
+        )
+        spread = float(np.ptp(values[known])) if known.any() else float("nan")
+        rows.append(
+            Strip(
+                label=channel.name,
+                look=FEET_LOOKS[channel.foot],
+                values=values,
+                low=low,
+                high=high,
+                limits=tuple(end for end in (channel.lowest, channel.highest) if low < end < high),
+                number=quantity(spread, shoe.unit, 2),
+                worst=0 if moved is None else int(np.argmax(moved)),
+                kept=bool(known.any()) and channel.name not in faulty,
+            )
+        )
+    keys = [(FEET_LOOKS[0], "left"), (FEET_LOOKS[1], "right")]
+    svg = strips(readings.time, rows, keys, "each strip: that channel’s range", "range here")
+    caption = f"Faulty: {', '.join(sorted(faulty))}." if faulty else ""
+    return Picture(f"Run {entry.run} ({entry.info.motion})", svg, caption)
+
+
+def _range(content: CheckReport, index: int) -> tuple[float, float]:
+    """Lowest and highest reading of a channel in all runs, a little widened."""
+    every = np.concatenate([run.readings.value[:, index] for run in content.runs.values()])
+    known = every[np.isfinite(every)]
+    if not len(known):
+        return -1.0, 1.0
+    low, high = float(known.min()), float(known.max())
+    margin = max(0.05 * (high - low), 1e-6 * max(abs(low), abs(high)), 1e-9)
+    return low - margin, high + margin
 
 
 def check_report(path: Path, content: CheckReport) -> None:

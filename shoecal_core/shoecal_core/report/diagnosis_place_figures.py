@@ -7,20 +7,17 @@ from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.result import Diagnosis, Evidence, Fitted
 from shoecal_core.report import palette
-from shoecal_core.report.diagnosis_looks import AFTER, BEFORE
+from shoecal_core.report.diagnosis_figures import AFTER, BEFORE
 from shoecal_core.report.diagnosis_places import (
     Field,
-    Levers,
     accounted_for,
     cop_noise,
-    density,
     field_between,
     field_under,
-    lever_points,
     stands,
 )
 from shoecal_core.report.figures import residual_field
-from shoecal_core.report.figures.lever_map import LeverMap, box, lever_map
+from shoecal_core.report.figures.feet import foot_shape
 from shoecal_core.report.figures.residual_field import (
     Arrows,
     SoleOutline,
@@ -28,7 +25,6 @@ from shoecal_core.report.figures.residual_field import (
     magnification,
 )
 from shoecal_core.report.figures.shares import percent
-from shoecal_core.report.foot_shapes import foot_shape
 from shoecal_core.report.page import Picture
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import Shoe
@@ -140,35 +136,3 @@ def _at_cells(
             key = tuple(map(float, channel.position))
             places[key] = places.get(key, 0.0) + shares[channel.name]
     return tuple((np.array(place), percent(share)) for place, share in places.items())
-
-
-def lever_picture(evidence: Evidence, robot: Robot, shoe: Shoe) -> Picture | None:
-    """Where a wrong force would have to act; None where no sample shows it."""
-    found = [lever_points(evidence, evidence.without, foot) for foot in (0, 1)]
-    clear = int(max(one.clear.sum() for one in found))
-    if clear < 10:
-        return None
-    maps = [_lever_map(found[foot], robot, shoe, foot) for foot in (0, 1)]
-    if not max(one.density.max() for one in maps) > 0.0:
-        return None
-    return Picture(
-        "Where one wrong force would have to act",
-        lever_map(maps),
-        f"One wrong force moves GRF and CoP together, and how far each shows its place. Drawn is "
-        f"where the {clear} samples point whose GRF is clearly off. Dark around a cell: that cell "
-        "reads wrong. Spread over all of the soles or outside them: no single cell, look at the "
-        "body, the floor or the time.",
-    )
-
-
-def _lever_map(levers: Levers, robot: Robot, shoe: Shoe, foot: int) -> LeverMap:
-    shape = foot_shape(robot, shoe, foot)
-    x, y, found = density(levers, *box(shape))
-    at = np.unravel_index(int(found.argmax()), found.shape)
-    peak = np.array([x[at[0]], y[at[1]]])
-    far = np.linalg.norm(shape.cells - peak, axis=1)
-    own = [index for index in range(len(shoe.names)) if shoe.channels[index].foot == foot]
-    near = min(own, key=lambda i: float(np.linalg.norm(shoe.positions[i] - peak)))
-    name = shoe.names[near].partition("/")[2].replace("_", " ")
-    note = f"{1e3 * far.min():.0f} mm from {name}" if len(far) else ""
-    return LeverMap(shape, x, y, found, peak, note)

@@ -1,4 +1,4 @@
-"""Where a gap lies on the floor: residuals brought to the soles, and what lever points say."""
+"""Where a gap lies on the floor: residuals brought to the soles, and what one force explains."""
 
 from __future__ import annotations
 
@@ -19,12 +19,6 @@ CELL_M = 0.008
 """Side of the squares over which arrows are averaged [m]."""
 LEAST_SAMPLES = 3
 """Fewer in a square are noise."""
-CLEAR = 3.0
-"""A lever point needs a force residual of so many standard deviations of its noise."""
-BLUR_M = 0.004
-"""What a lever point is spread by at least [m]."""
-RASTER = 31
-"""Points of a density along each axis."""
 
 
 @dataclass(frozen=True)
@@ -40,26 +34,6 @@ class Field:
     places: FloatArray
     arrows: FloatArray
     force: FloatArray
-
-
-@dataclass(frozen=True)
-class Levers:
-    """Where one wrong force would have to act to explain force and CoP residual of a sample.
-
-    Attributes:
-        points: (T, 2) left sole's frame [m]; NaN where the force residual is lost in noise.
-        spread: (T,) standard deviation of each [m].
-        weight: (T,) how much each counts.
-    """
-
-    points: FloatArray
-    spread: FloatArray
-    weight: FloatArray
-
-    @property
-    def clear(self) -> BoolArray:
-        """(T,) mask of samples that show a place."""
-        return np.asarray(np.isfinite(self.points).all(axis=1))
 
 
 def signal(evidence: Evidence, fitted: Fitted, name: str) -> FloatArray:
@@ -164,22 +138,6 @@ def field_under(evidence: Evidence, fitted: Fitted, rows: BoolArray, foot: int) 
     )
 
 
-def lever_points(evidence: Evidence, fitted: Fitted, foot: int) -> Levers:
-    """Places c + G e_C / e_F in one foot's sole frame, c the CoP and G the whole force."""
-    grf, noise = signal(evidence, fitted, "grf"), noise_of(evidence, "grf")
-    off = in_sole(evidence, cop_residual(evidence, fitted), foot, vectors=True)
-    where = in_sole(evidence, evidence.cop, foot, vectors=False)
-    whole = np.nansum(evidence.foot_force, axis=1)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        arm = (whole / grf)[:, None] * off
-        points = where + arm
-        across = cop_noise(evidence)
-        spread = np.hypot(across * whole, np.linalg.norm(arm, axis=1) * noise) / np.abs(grf)
-    clear = (np.abs(grf) > CLEAR * noise) & np.isfinite(points).all(axis=1)
-    points[~clear] = np.nan
-    return Levers(points, np.hypot(spread, BLUR_M), np.where(clear, grf**2, 0.0))
-
-
 def accounted_for(evidence: Evidence, fitted: Fitted, foot: int, place: FloatArray) -> float:
     """How much of the excess of GRF and CoP one force of any course at a place would account for.
 
@@ -203,14 +161,3 @@ def accounted_for(evidence: Evidence, fitted: Fitted, foot: int, place: FloatArr
         return float("nan")
     made = ((seen * way).sum(axis=1) ** 2 / (way**2).sum(axis=1)).sum() - len(seen)
     return float(np.clip(made / excess, 0.0, 1.0))
-
-
-def density(levers: Levers, low: FloatArray, high: FloatArray) -> tuple[FloatArray, ...]:
-    """Axes x, y (r,) and density (r, r) of lever points over a box [1/m^2], 1 in all."""
-    x, y = (np.linspace(low[axis], high[axis], RASTER) for axis in (0, 1))
-    clear = levers.clear & (levers.weight > 0.0)
-    points, spread = levers.points[clear], levers.spread[clear]
-    weight = levers.weight[clear] / max(float(levers.weight[clear].sum()), 1e-300)
-    far_x = np.exp(-0.5 * ((x[:, None] - points[:, 0]) / spread) ** 2)
-    far_y = np.exp(-0.5 * ((y[:, None] - points[:, 1]) / spread) ** 2)
-    return x, y, (far_x * (weight / (2.0 * np.pi * spread**2))) @ far_y.T

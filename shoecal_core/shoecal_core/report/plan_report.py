@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from shoecal_core.planning.supports.identifiability import Identifiability
-from shoecal_core.report.assessment_tables import weak_table
+from shoecal_core.report.assessment import weak_table
 from shoecal_core.report.figures.margins import margin_text
 from shoecal_core.report.html import write_page
 from shoecal_core.report.page import (
@@ -21,9 +21,8 @@ from shoecal_core.report.page import (
     Section,
     Table,
 )
-from shoecal_core.report.plan_animation import animation
 from shoecal_core.report.plan_content import PlannedMotion
-from shoecal_core.report.plan_figures import motion_pictures
+from shoecal_core.report.plan_figures import animation, motion_pictures
 from shoecal_core.report.quantities import double_support_text, quantity
 from shoecal_core.report.sheet import SheetFigure, write_sheet
 from shoecal_core.report.svg import readable

@@ -6,9 +6,9 @@ import pytest
 from core.report.pages import read_svg
 from core.robot import robots
 from core.shoe import shoes
-from shoecal_core.report.diagnosis_looks import AFTER, BEFORE, unit_of
+from shoecal_core.report.diagnosis_figures import AFTER, BEFORE, unit_of
 from shoecal_core.report.figures.added_variable import Added, added_variables, slope
-from shoecal_core.report.figures.lever_map import LeverMap, box, lever_map
+from shoecal_core.report.figures.feet import foot_shape
 from shoecal_core.report.figures.residual_field import (
     LONGEST_MM,
     LONGEST_OF_NOISE_MM,
@@ -20,8 +20,6 @@ from shoecal_core.report.figures.residual_field import (
 )
 from shoecal_core.report.figures.run_lines import RunLine, run_lines
 from shoecal_core.report.figures.shares import Share, percent, share_bars
-from shoecal_core.report.figures.shrinks import Gone, Pair, Quantity, before_and_after
-from shoecal_core.report.foot_shapes import foot_shape
 from shoecal_core.report.palette import BLUE
 
 LOOKS = (BEFORE, AFTER)
@@ -68,18 +66,6 @@ def test_the_right_candidate_turns_the_diagonal_flat() -> None:
     assert slope(change, 3.0 * change) == pytest.approx(3.0)
 
 
-def test_errors_before_and_after() -> None:
-    pairs = (Pair("measured", 1.42, 0.45), Pair("simulated", 1.6, 0.7))
-    panel = Quantity("CoP error, mean (mm)", pairs, 0.38)
-    gone = [Gone("measured", 0.94, (0.88, 0.97)), Gone("simulated", -0.2, (np.nan, np.nan))]
-    told = alt(before_and_after(gone, [panel], LOOKS))
-    assert "measured: 94 % gone" in told
-    assert "simulated: from 1.6 to 0.7" in told
-    without = before_and_after([], [Quantity("readings (V)", pairs, np.nan)], LOOKS)
-    assert "share of the gap" not in without
-    assert "noise alone" not in without
-
-
 def test_arrows_have_one_round_scale_and_noise_stays_short() -> None:
     one = Arrows(np.zeros((9, 2)), np.full((9, 2), 2e-3))
     for noise in (0.0, 4e-4, 5e-3):
@@ -105,17 +91,6 @@ def test_feet_with_and_without_arrows() -> None:
     assert ">46 %<" in svg
     assert "GRF off by 0.4 N" in svg
     assert "right: No sample." in alt(svg)
-
-
-def test_a_map_of_lever_points() -> None:
-    robot, shoe = robots.load("nao"), shoes.shoe("nao_shoe")
-    shape = foot_shape(robot, shoe, 0)
-    low, high = box(shape)
-    x, y = np.linspace(low[0], high[0], 9), np.linspace(low[1], high[1], 9)
-    dense = np.exp(-(((x[:, None] - 0.086) / 0.02) ** 2) - ((y - 0.041) / 0.02) ** 2)
-    maps = [LeverMap(shape, x, y, values, np.array([0.086, 0.041]), "2 mm from front left")
-            for values in (dense, np.zeros_like(dense))]  # fmt: skip
-    assert "left foot: 2 mm from front left" in alt(lever_map(maps))
 
 
 @pytest.mark.parametrize(

@@ -21,9 +21,7 @@ from shoecal_core.manual.calibrate import (
 )
 from shoecal_core.report.figures.cells import CellLine, cell_residuals
 from shoecal_core.report.html import render
-from shoecal_core.report.manual_content import ManualReport
-from shoecal_core.report.manual_figures import known_loads
-from shoecal_core.report.manual_report import manual_page, manual_report
+from shoecal_core.report.manual_report import ManualReport, known_loads, manual_page, manual_report
 from shoecal_core.report.quantities import mean_error
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.workflows.simulated_manual import simulate_manual

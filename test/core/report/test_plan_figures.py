@@ -15,7 +15,6 @@ from core.report.pages import read_svg
 from shoecal_core.errors import ShapeError
 from shoecal_core.planning.checking.findings import ConstraintMargin
 from shoecal_core.report import palette
-from shoecal_core.report.figures.cop_plan import Arrival, Carried, cop_plan
 from shoecal_core.report.figures.margins import at_least, margin_text, margins, used
 from shoecal_core.report.figures.strips import Strip, strips
 from shoecal_core.report.plan_content import PlannedMotion
@@ -24,7 +23,6 @@ from shoecal_core.report.plan_figures import (
     above,
     angles,
     hulls,
-    in_time,
     motion_pictures,
     swing,
     torques,
@@ -42,10 +40,9 @@ def words(svg: str) -> list[str]:
 @pytest.mark.parametrize("name", list(MOTIONS))
 def test_every_figure_tells_its_units(name: str) -> None:
     pictures = motion_pictures(MOTIONS[name]())
-    assert len(pictures) == 6
+    assert len(pictures) == 5
     axes = {
         "Seen from above": ("x, forward (mm)", "y, to the left (mm)"),
-        "CoP against time": ("CoP x (mm)", "CoP y (mm)", "time (s)"),
         "Margins kept": ("part of the limit used (%)",),
         "Joint angles within their limits": ("time (s)",),
         "Torques that hold the posture": ("time (s)",),
@@ -70,7 +67,6 @@ def test_a_landmark_out_of_reach_is_told_with_its_distance() -> None:
     assert f"{away:.1f} mm" in found
     assert {"not reached: distance", "1", "2", "3", "4", "5"} <= set(found)
     assert f"landmark 3: {away:.1f} mm off" in str(read_svg(above(planned)).get("aria-label"))
-    assert "not reached" in words(in_time(planned))
 
 
 def test_one_that_was_never_pursued() -> None:
@@ -80,9 +76,6 @@ def test_one_that_was_never_pursued() -> None:
     cut = dataclasses.replace(path, nearest=nearest, switches=path.switches[:-1])
     short = dataclasses.replace(planned, motion=dataclasses.replace(planned.motion, path=cut))
     assert "never pursued" in words(above(short))
-    label = str(read_svg(in_time(short)).get("aria-label"))
-    assert "4 at" in label
-    assert "5 at" not in label
 
 
 def test_the_hull_of_both_sensing_polygons() -> None:
@@ -98,9 +91,6 @@ def test_the_hull_of_both_sensing_polygons() -> None:
 def test_a_lifted_foot_is_drawn() -> None:
     planned = plans.stepping()
     assert "lifted foot" in words(above(planned))
-    found = words(in_time(planned))
-    assert {"both feet carry", "right alone"} <= set(found)
-    assert "left alone" not in found
     way = swing(planned, planned.stands[1])
     np.testing.assert_allclose(way.outline, planned.robot.feet[0].outline, atol=2e-3)
     assert np.linalg.norm(way.way[-1] - way.way[0]) < 2e-3
@@ -163,15 +153,6 @@ def test_margins_are_the_checks() -> None:
     for one in planned.report.findings:
         assert one.constraint in label
         assert margin_text(one) in label
-
-
-def test_near_numbers_stand_together() -> None:
-    time = np.linspace(0.0, 10.0, 101)
-    cop = np.zeros((101, 2))
-    arrivals = [Arrival(i, t, cop[0], True) for i, t in ((1, 5.0), (2, 5.1), (3, 9.0))]
-    found = words(cop_plan(time, cop, arrivals, [Carried("both", 0.0, 10.0)]))
-    assert "1, 2" in found
-    assert "both feet carry" not in found
 
 
 @pytest.mark.filterwarnings("ignore:Glyph")

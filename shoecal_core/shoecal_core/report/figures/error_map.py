@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from shoecal_core.errors import ShapeError
-from shoecal_core.report.figures.plane import FootShape, shape_keys
+from shoecal_core.report.figures.feet import FootShape, shape_keys
 from shoecal_core.report.palette import INK, MUTED, SIZES, SOLE
 from shoecal_core.report.svg import SMALL, TEXT, WIDTH, Canvas, canvas, readable
 

@@ -21,7 +21,7 @@ from shoecal_core.report.figures.body_points import (
     sole,
     time_label,
 )
-from shoecal_core.report.plan_targets import TargetMark
+from shoecal_core.report.plan_content import TargetMark
 from shoecal_core.report.player import PlayerView
 from shoecal_core.report.svg import WIDTH
 

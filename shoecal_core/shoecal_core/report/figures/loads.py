@@ -13,7 +13,7 @@ from matplotlib.patches import Patch, Polygon
 from numpy.typing import NDArray
 
 from shoecal_core.errors import ShapeError
-from shoecal_core.report.figures.plane import FootShape
+from shoecal_core.report.figures.feet import FootShape
 from shoecal_core.report.palette import BLUE, INK, MUTED, SOLE, STEPS
 from shoecal_core.report.svg import WIDTH, canvas
 

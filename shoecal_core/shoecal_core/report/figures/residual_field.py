@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
-from shoecal_core.report.figures.plane import FootShape, draw_feet, shape_keys
+from shoecal_core.report.figures.feet import FootShape, draw_feet, shape_keys
 from shoecal_core.report.palette import BLUE, INK, MUTED, SOLE, Look
 from shoecal_core.report.svg import SMALL, TEXT, WIDTH, canvas, line_key, readable
 

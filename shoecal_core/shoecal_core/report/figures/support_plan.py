@@ -12,9 +12,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch, Polygon
 from numpy.typing import NDArray
 
-from shoecal_core.report.figures.plane import FootShape, draw_feet
+from shoecal_core.report.figures.feet import FootShape, draw_feet
 from shoecal_core.report.palette import CARD, FAIL, INK, MUTED, SLATE, SOLE, STEPS, Look
-from shoecal_core.report.plan_targets import TargetMark
+from shoecal_core.report.plan_content import TargetMark
 from shoecal_core.report.svg import SMALL, TEXT, WIDTH, Canvas, canvas, draw_line
 
 FloatArray = NDArray[np.float64]

@@ -1,4 +1,4 @@
-"""The CoP seen from above, between the feet and under each foot."""
+"""Feet and the CoP seen from above, between the feet and under each."""
 
 from __future__ import annotations
 
@@ -23,9 +23,11 @@ from shoecal_core.report.svg import (
     line_key,
     readable,
 )
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.robot import Robot
+from shoecal_core.shoe.shoe import FEET, Shoe
 
 FloatArray = NDArray[np.float64]
-
 MARGIN_MM, ROOM_FOR_LABEL_MM = 8.0, 16.0
 LEFT, BOTTOM, TOP = 50.0, 36.0, 44.0
 
@@ -176,3 +178,23 @@ def shape_keys() -> list[Artist]:
         Line2D([], [], linestyle="", marker="o", markersize=5.0, markerfacecolor="none",
                color=INK.light, label="cell"),
     ]  # fmt: skip
+
+
+def foot_shape(
+    robot: Robot, shoe: Shoe, foot: int, support: DoubleSupport | None = None
+) -> FootShape:
+    """One foot with its cells.
+
+    Args:
+        robot, shoe: whose foot.
+        foot: index into FEET.
+        support: where the right foot stands, for a shape in the left sole's frame; None: in the
+            foot's own.
+    """
+    shape = robot.feet[foot]
+    cells = np.unique(shoe.positions[shoe.of_foot(foot)], axis=0)
+    places = (shape.outline, shape.sensing_polygon, cells)
+    outline, polygon, cells = (
+        places if support is None else (support.right_to_left(points) for points in places)
+    )
+    return FootShape(FEET[foot], outline, polygon, cells)

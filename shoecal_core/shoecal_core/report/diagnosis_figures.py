@@ -1,0 +1,270 @@
+"""The figures of a diagnosis against time, and on its candidates."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.diagnosis.result import Diagnosis, Evidence, Fitted
+from shoecal_core.report import palette
+from shoecal_core.report.diagnosis_places import cop_residual, noise_of, signal
+from shoecal_core.report.diagnosis_words import (
+    candidate_text,
+    label_text,
+    signal_text,
+    where_text,
+)
+from shoecal_core.report.figures.added_variable import Added, added_variables
+from shoecal_core.report.figures.run_lines import RunLine, run_lines
+from shoecal_core.report.figures.shares import Share, share_bars
+from shoecal_core.report.page import Picture
+
+BEFORE = palette.Look(palette.RED, 1.1)
+AFTER = palette.Look(palette.TEAL, 1.1)
+_LENGTH, _ANGLE, _FORCE = (1e3, "mm"), (180.0 / math.pi, "°"), (1.0, "N")
+_UNITS = {
+    "grf": _FORCE, "cop": _LENGTH, "air_f": _FORCE, "air_m": (1.0, "N m"),
+    "closure_roll": _ANGLE, "closure_pitch": _ANGLE, "closure_yaw": _ANGLE,
+    "closure": _LENGTH, "parity": _FORCE, "tilt": _ANGLE,
+}  # fmt: skip
+"""By the beginning of a signal's name, the first that fits: factor and unit for a person."""
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+MOST_RIVALS = 4
+MOST_SHARES = 10
+LEAST_PROBABLE = 1e-3
+"""Candidates beyond the best few are shown from here on."""
+MOST_COMPARED = 3
+ALWAYS = ("grf", "cop_x", "cop_y")
+LOUD = 1.3
+"""Any other signal is drawn whose RMS is so many times its noise."""
+MOST_RUNS = 16
+MOST_SIGNALS = 9
+_CAPTIONS = {
+    "grf": "Measured minus the robot's weight. A run that is off as a whole: a drift or another "
+    "weight. Off with the motion: cells. Off from an instant on: a step.",
+    "cop": "Measured minus modelled, in the sole's frame.",
+    "closure": "Joints alone: while both feet stand, the pose of one sole in the other must not "
+    "change. No force sensor takes part: what shows here lies in joints or in a foot that moved.",
+    "parity": "Under a stiff plate three cells give the fourth: what shows here lies in cells.",
+    "tilt": "By the inertial sensor and by joints and model.",
+    "air": "A foot in the air must feel nothing but its own weight.",
+}
+
+
+def unit_of(name: str) -> tuple[float, str]:
+    """Factor and unit that a signal is shown in."""
+    return next((unit for start, unit in _UNITS.items() if name.startswith(start)), (1.0, ""))
+
+
+def share_picture(diagnosis: Diagnosis) -> Picture | None:
+    """Shares of the gap; None where there are none."""
+    shares = [
+        Share(where_text(place), place.share, palette.BLUE)
+        for place in diagnosis.where[:MOST_SHARES]
+        if place.share > 0.0
+    ]
+    if not shares:
+        return None
+    return Picture(
+        "Shares of the gap",
+        share_bars(shares, "Shares of the gap"),
+        "Of all that is more than noise on the runs judged: which signal holds it, and as near as "
+        "it is known, at which foot, cell or joint, in which run, from when on.",
+    )
+
+
+def ranking_picture(diagnosis: Diagnosis) -> Picture | None:
+    """Probabilities of the hypotheses; None where none was ranked."""
+    if not diagnosis.ranking:
+        return None
+    chosen = {(one.effect, one.location) for one in diagnosis.causes}
+    alike = {(one.effect, one.location) for one in diagnosis.ambiguity}
+    shares = []
+    for place, one in enumerate(diagnosis.ranking[:MOST_SHARES]):
+        if place >= MOST_RIVALS and one.probability < LEAST_PROBABLE:
+            break
+        key = (one.effect, one.location)
+        colour, kind = palette.SLATE, "another candidate"
+        if key in chosen:
+            colour, kind = palette.TEAL, "chosen"
+        elif key in alike:
+            colour, kind = palette.WARN, "as good as a chosen one"
+        shares.append(Share(candidate_text(one), one.probability, colour, kind))
+    caption = (
+        "By how well each predicts runs that were left out of its fit, everything else refitted "
+        "with it. "
+    )
+    if diagnosis.causes:
+        caption += "Of candidates with a probability of 80 %, about 80 of 100 should be right."
+    else:
+        caption += "Probable as against each other only: none of them makes the gap small."
+    return Picture(
+        "How probable each candidate is",
+        share_bars(shares, "Probabilities of the candidates"),
+        caption,
+    )
+
+
+def candidate_pictures(evidence: Evidence) -> tuple[Picture, ...]:
+    """Residual against what each of the best candidates changes in it, by signal."""
+    rivals = evidence.rivals[:MOST_RIVALS]
+    if not rivals:
+        return ()
+    rows = evidence.test if evidence.test.any() else np.ones(len(evidence.time), dtype=bool)
+    names = sorted(evidence.signals, key=lambda name: -_moved(evidence, rivals, name, rows))
+    pictures = []
+    for name in names[:MOST_COMPARED]:
+        if not _moved(evidence, rivals, name, rows) > 0.0:
+            continue
+        factor, unit = unit_of(name)
+        title = signal_text(name)
+        panels = [_added(evidence, rival, name, rows, factor) for rival in rivals]
+        pictures.append(
+            Picture(
+                title,
+                added_variables(
+                    [one for one in panels if len(one.change)], (BEFORE, AFTER), unit, title
+                ),
+                "Right candidate: without it the dots climb like the dashed line, with it they lie "
+                "flat. A narrow column: this candidate can change next to nothing here.",
+                tall=True,
+            )
+        )
+    return tuple(pictures)
+
+
+def _moved(evidence: Evidence, rivals: tuple[Fitted, ...], name: str, rows: BoolArray) -> float:
+    """How much the best candidate changes a signal, in standard deviations of its noise."""
+    change = (signal(evidence, evidence.without, name) - signal(evidence, rivals[0], name))[rows]
+    known = change[np.isfinite(change)]
+    noise = noise_of(evidence, name)
+    if len(known) < 10 or not noise > 0.0:
+        return 0.0
+    return float(np.sqrt(np.mean(known**2))) / noise
+
+
+def _added(evidence: Evidence, rival: Fitted, name: str, rows: BoolArray, factor: float) -> Added:
+    before = factor * signal(evidence, evidence.without, name)[rows]
+    after = factor * signal(evidence, rival, name)[rows]
+    known = np.isfinite(before) & np.isfinite(after)
+    before, after = before[known], after[known]
+    return Added(label_text(rival.label), before - after, before, after)
+
+
+def hidden_rms_mm(evidence: Evidence) -> tuple[float, float]:
+    """RMS of what the best explanation adds to the CoP, and of what of it still shows [mm].
+
+    The rest is what gains and offsets can imitate.
+    """
+    if evidence.explained is None or not {"cop_x", "cop_y"} <= set(evidence.signals):
+        return float("nan"), float("nan")
+    columns = [evidence.signals.index(name) for name in ("cop_x", "cop_y")]
+    added = evidence.explained.contribution[:, columns]
+    shown = cop_residual(evidence, evidence.without) - cop_residual(evidence, evidence.explained)
+    return _rms_mm(added), _rms_mm(shown)
+
+
+def _rms_mm(off: FloatArray) -> float:
+    """Of lengths (T, 2) [mm]; NaN where none is known."""
+    known = off[np.isfinite(off).all(axis=1)]
+    return 1e3 * float(np.sqrt(np.mean(np.sum(known**2, axis=1)))) if len(known) else float("nan")
+
+
+def time_pictures(diagnosis: Diagnosis, evidence: Evidence) -> tuple[Picture, ...]:
+    """Each signal that shows something, run by run."""
+    pictures = (_picture(diagnosis, evidence, name) for name in loud_signals(diagnosis, evidence))
+    return tuple(picture for picture in pictures if picture is not None)
+
+
+def _picture(diagnosis: Diagnosis, evidence: Evidence, name: str) -> Picture | None:
+    factor, unit = unit_of(name)
+    rows = _rows(diagnosis, evidence, name, factor)
+    if not rows:
+        return None
+    title, noise = signal_text(name), factor * noise_of(evidence, name)
+    caption = _CAPTIONS.get(name.partition("_")[0], "")
+    return Picture(title, run_lines(rows, (BEFORE, AFTER), unit, noise, title), caption)
+
+
+def loud_signals(diagnosis: Diagnosis, evidence: Evidence) -> list[str]:
+    """Force and CoP always, of the others the loudest, where something is in them."""
+    named = {place.signal for place in diagnosis.where}
+    loud = {name: _loudness(evidence, name) for name in evidence.signals}
+    heard = [
+        name
+        for name in evidence.signals
+        if loud[name] > (0.0 if name in {*ALWAYS, *named} else LOUD)
+    ]
+    heard.sort(key=lambda name: (name not in ALWAYS, -loud[name]))
+    return sorted(heard[:MOST_SIGNALS], key=evidence.signals.index)
+
+
+def _loudness(evidence: Evidence, name: str) -> float:
+    """RMS of a signal in standard deviations of its noise; 0 where it was not there."""
+    values = signal(evidence, evidence.without, name)
+    known = values[np.isfinite(values)]
+    return float(np.sqrt(np.mean(known**2))) / noise_of(evidence, name) if len(known) else 0.0
+
+
+def quiet_signals(diagnosis: Diagnosis, evidence: Evidence) -> list[str]:
+    """Signals that were there and showed nothing but noise."""
+    return [
+        name for name in evidence.signals
+        if name not in ALWAYS and 0.0 < _loudness(evidence, name) <= LOUD
+        and name not in {place.signal for place in diagnosis.where}
+    ]  # fmt: skip
+
+
+def _rows(
+    diagnosis: Diagnosis,
+    evidence: Evidence,
+    name: str,
+    factor: float,
+) -> list[RunLine]:
+    """The runs in which the signal is known; at most so many, the worst ones."""
+    before = factor * signal(evidence, evidence.without, name)
+    after = (
+        np.empty(0)
+        if evidence.explained is None
+        else factor * signal(evidence, evidence.explained, name)
+    )
+    rows, worst = [], []
+    for run in np.unique(evidence.run):
+        own = evidence.run == run
+        if not np.isfinite(before[own]).any():
+            continue
+        test = " · test" if evidence.test[own].any() else ""
+        time = evidence.time[own]
+        rows.append(
+            RunLine(f"run {run}{test}", time, before[own], after[own] if len(after) else after,
+                    _lifted(time, evidence.loaded[own]), _onsets(diagnosis, int(run), name))
+        )  # fmt: skip
+        worst.append(float(np.nanmean(before[own] ** 2)))
+    chosen = sorted(np.argsort(worst)[::-1][:MOST_RUNS])
+    return [rows[index] for index in chosen]
+
+
+def _lifted(time: FloatArray, loaded: BoolArray) -> tuple[tuple[float, float], ...]:
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], ~loaded.all(axis=1), [False]))))
+    return tuple(
+        (float(time[first]), float(time[min(last, len(time) - 1)]))
+        for first, last in zip(edges[::2], edges[1::2], strict=True)
+    )
+
+
+def _onsets(diagnosis: Diagnosis, run: int, name: str) -> tuple[float, ...]:
+    """When something begins in a run, by `where` and by causes that have their time."""
+    found = [
+        place.onset_s
+        for place in diagnosis.where
+        if place.run == run and place.onset_s is not None and name.startswith(place.signal)
+    ]
+    found += [
+        cause.size["time"].value
+        for cause in diagnosis.causes
+        if cause.run == run and cause.effect == "slip" and "time" in cause.size
+    ]
+    return tuple(sorted({round(onset, 1) for onset in found}))
