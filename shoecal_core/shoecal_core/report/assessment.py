@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -14,13 +14,11 @@ from shoecal_core.report.calibration_content import CalibrationReport
 from shoecal_core.report.error_source_names import cure, source_name
 from shoecal_core.report.figures.error_map import ErrorMap, common_levels, error_map
 from shoecal_core.report.figures.feet import foot_shape
-from shoecal_core.report.figures.left_out import RunSpan, left_out_in_time
 from shoecal_core.report.figures.sources import largest_sources
 from shoecal_core.report.page import Group, KeyFigure, Picture, Section, Table
 from shoecal_core.report.quantities import UNKNOWN, number, size, uncertain
+from shoecal_core.report.screening_parts import findings_table, left_out_spans, left_out_table
 from shoecal_core.robot.double_support import DoubleSupport
-from shoecal_core.screening.faults import Fault
-from shoecal_core.screening.result import Screening
 from shoecal_core.shoe.shoe import FEET
 
 SHOWN_SOURCES = 8
@@ -124,35 +122,6 @@ def left_out_picture(content: CalibrationReport) -> Picture | None:
     return left_out_spans(content.screening, ends)
 
 
-def left_out_spans(screening: Screening, ends: Mapping[int, float]) -> Picture | None:
-    """The same of any screening.
-
-    Args:
-        screening: of a recording.
-        ends: when each run ends, since its start [s].
-    """
-    if not screening.left_out:
-        return None
-    lost: dict[int, dict[str, list[tuple[float, float]]]] = {}
-    for one in screening.left_out:
-        found = lost.setdefault(one.run, {}).setdefault(cause_name(one.fault.value), [])
-        found.extend(one.stretches)
-    runs = []
-    for run in screening.samples:
-        own = lost.get(run, {})
-        last = [end for found in own.values() for _, end in found]
-        runs.append(RunSpan(f"run {run}", 0.0, max([ends.get(run, 0.0), *last]), own))
-    shown = [run for run in runs if run.end > 0.0]
-    if not shown:
-        return None
-    return Picture("Samples left out, in time", left_out_in_time(shown))
-
-
-def cause_name(value: str) -> str:
-    """A fault's name for a person."""
-    return value.replace("_", " ")
-
-
 def expected_text(spread: Spread) -> tuple[str, str]:
     """Expected CoP error over a polygon, and a note with the worst place and the GRF."""
     worst = 1e3 * spread.cop_mean
@@ -246,48 +215,6 @@ def _known_to(uncertainty: float) -> str:
     if not math.isfinite(uncertainty):
         return "nothing"
     return f"uncertain by {100.0 * uncertainty:.0f} %"
-
-
-def left_out_table(screening: Screening) -> Table | None:
-    """Samples that do not count, by run and cause; None without any."""
-    if not screening.left_out:
-        return None
-    lost = {(one.run, one.fault): one for one in screening.left_out}
-    faults = [fault for fault in Fault if any(fault is other for _, other in lost)]
-    rows = []
-    for run, count in screening.samples.items():
-        own = [lost.get((run, fault)) for fault in faults]
-        if not any(own):
-            continue
-        rows.append(
-            (
-                f"run {run}" + (" (all of it)" if run in screening.runs_left_out else ""),
-                str(count),
-                *(f"{one.samples} ({_percent(one.share)})" if one else UNKNOWN for one in own),
-            )
-        )
-    return Table(
-        "Samples left out",
-        ("", "samples", *(cause_name(fault.value) for fault in faults)),
-        tuple(rows),
-        "Each counts for the first cause that was found of it.",
-    )
-
-
-def _percent(share: float) -> str:
-    return f"{100.0 * share:.1f} %" if share >= 0.001 else "below 0.1 %"
-
-
-def findings_table(screening: Screening) -> Table | None:
-    """What was found before the fit; None where nothing was."""
-    findings = screening.findings
-    if not findings:
-        return None
-    rows = tuple(
-        (cause_name(one.fault.value) if one.fault else "other", one.verdict, one.reason)
-        for one in findings
-    )
-    return Table("Found before the fit", ("", "verdict", "finding"), rows)
 
 
 def assessment_section(content: CalibrationReport, assessed: Assessment) -> Section:

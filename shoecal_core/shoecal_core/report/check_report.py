@@ -13,7 +13,6 @@ from shoecal_core.recording.info import RunInfo
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import RunEntry, Session
 from shoecal_core.report import palette
-from shoecal_core.report.assessment import findings_table, left_out_spans, left_out_table
 from shoecal_core.report.figures.strips import Strip, strips
 from shoecal_core.report.html import write_page
 from shoecal_core.report.origin import origin, robot_text, shoe_text
@@ -29,6 +28,7 @@ from shoecal_core.report.page import (
 )
 from shoecal_core.report.palette import Look
 from shoecal_core.report.quantities import UNKNOWN, double_support_text, quantity, uncertain
+from shoecal_core.report.screening_parts import findings_table, left_out_spans, left_out_table
 from shoecal_core.report.zeros_section import zeros_section
 from shoecal_core.robot.robot import GRAVITY, Robot
 from shoecal_core.samples.aligned import Aligned

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from shoecal_core.report.palette import MUTED, Look
-from shoecal_core.report.svg import SMALL, WIDTH, canvas, line_key, readable
+from shoecal_core.report.svg import SMALL, canvas, line_key, readable, y_label
 
 FloatArray = NDArray[np.float64]
 
@@ -61,8 +61,7 @@ def added_variables(
             axes.set_xlim(*across)
             axes.set_ylim(*upwards)
             axes.locator_params(axis="y", nbins=4)
-            axes.set_ylabel(f"residual ({unit})")
-            axes.yaxis.set_label_coords(-40.0 / (WIDTH - LEFT - 8.0), 0.5)
+            y_label(axes, f"residual ({unit})")
             axes.tick_params(labelbottom=index == len(candidates) - 1)
         axes.set_xlabel(f"what it changes ({unit})")
         listed = "; ".join(

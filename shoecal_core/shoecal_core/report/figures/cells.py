@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from shoecal_core.report.palette import INK, STEPS
-from shoecal_core.report.svg import canvas, readable
+from shoecal_core.report.svg import canvas, readable, y_label
 
 FloatArray = NDArray[np.float64]
 
@@ -54,8 +54,7 @@ def cell_residuals(cells: Sequence[CellLine]) -> str:
                       markersize=4.5, markerfacecolor="none", color=key.get_color())  # fmt: skip
         axes.margins(x=0.05, y=0.12)
         axes.locator_params(axis="y", nbins=5)
-        axes.set_ylabel("Δ force (mN)")
-        axes.yaxis.set_label_coords(-0.115, 0.5)
+        y_label(axes, "Δ force (mN)")
         axes.set_xlabel("mass on the cell (kg)")
         listed = ", ".join(
             f"{readable(cell.label)} {1e3 * float(np.abs(cell.residuals).max()):.1f}"

@@ -2,26 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon
 from numpy.typing import NDArray
 
 from shoecal_core.report.palette import INK, MUTED, SOLE, Look
 from shoecal_core.report.svg import (
+    LINE,
     SMALL,
     TEXT,
     WIDTH,
     Canvas,
+    area_key,
     canvas,
     draw_line,
     line_key,
+    marker_key,
     readable,
+    y_label,
 )
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
@@ -29,7 +33,8 @@ from shoecal_core.shoe.shoe import FEET, Shoe
 
 FloatArray = NDArray[np.float64]
 MARGIN_MM, ROOM_FOR_LABEL_MM = 8.0, 16.0
-LEFT, BOTTOM, TOP = 50.0, 36.0, 44.0
+LEFT, RIGHT, BOTTOM, GAP = 50.0, 8.0, 36.0, 30.0
+TITLE, BAND = 16.0, 26.0
 
 
 @dataclass(frozen=True)
@@ -64,45 +69,86 @@ class CopPath:
     points: FloatArray
 
 
+@dataclass(frozen=True)
+class Above:
+    """One panel that is seen from above.
+
+    Attributes:
+        low, high: (2,) corners (x, y) of what it shows at least [mm].
+        draw: into its axes; told the scale in units a millimetre.
+        title: above it.
+    """
+
+    low: FloatArray
+    high: FloatArray
+    draw: Callable[[Axes, float], None]
+    title: str = ""
+
+
+def from_above(
+    panels: Sequence[Above],
+    legends: Sequence[Sequence[Artist]],
+    alt: str,
+    *,
+    tallest: float = 270.0,
+    band: Callable[[Canvas, float], None] | None = None,
+) -> str:
+    """Panels side by side and to one scale, x forward and y to the left.
+
+    Args:
+        panels: from the left.
+        legends: rows above them.
+        alt: what is to be seen.
+        tallest: units of height of a panel.
+        band: draws what stands between legends and panels, BAND units high, from a top on.
+    """
+    span = np.max([one.high - one.low for one in panels], axis=0)
+    width = (WIDTH - LEFT - RIGHT - GAP * (len(panels) - 1)) / len(panels)
+    scale = min(width / span[1], tallest / span[0])
+    half = np.array([scale * span[0], width]) / scale / 2.0
+    under = LINE * len(legends) + 6.0
+    top = under + (BAND if band else 0.0) + (TITLE if any(one.title for one in panels) else 0.0)
+    with canvas(top + scale * span[0] + BOTTOM) as page:
+        for row, keys in enumerate(legends):
+            page.legend(keys, left=LEFT - 6.0, top=LINE * row)
+        if band:
+            band(page, under)
+        for index, one in enumerate(panels):
+            left = LEFT + index * (width + GAP)
+            axes = page.panel(top, scale * span[0], left=left, right=left + width)
+            one.draw(axes, scale)
+            middle = (one.low + one.high) / 2.0
+            axes.set_ylim(middle[0] - half[0], middle[0] + half[0])
+            axes.set_xlim(middle[1] + half[1], middle[1] - half[1])
+            axes.locator_params(nbins=5)
+            axes.set_title(readable(one.title, 36), pad=4.0, fontsize=TEXT)
+            axes.set_xlabel("y, to the left (mm)" if len(panels) == 1 else "y (mm)")
+            if index == 0:
+                y_label(axes, "x, forward (mm)")
+        return page.svg(alt)
+
+
+def around(points: Sequence[FloatArray]) -> tuple[FloatArray, FloatArray]:
+    """Lowest and highest (x, y) of points (k, 2) [m], with a margin [mm]."""
+    every = 1e3 * np.vstack(points)
+    return every.min(axis=0) - MARGIN_MM, every.max(axis=0) + MARGIN_MM
+
+
 def cop_plane(feet: Sequence[FootShape], paths: Sequence[CopPath]) -> str:
     """CoP paths between the feet, x forward and y to the left."""
-    low, high = _extent(feet, paths)
-    width = WIDTH - LEFT - 8.0
-    scale = min(width / (high[1] - low[1]), 270.0 / (high[0] - low[0]))
-    height = scale * (high[0] - low[0])
-    with canvas(TOP + height + BOTTOM) as page:
-        _legends(page, paths)
-        axes = page.panel(TOP, height, left=LEFT)
-        spare = width / scale - (high[1] - low[1])
-        low[1], high[1] = low[1] - spare / 2.0, high[1] + spare / 2.0
-        _draw(axes, feet, paths, low, high)
-        axes.set_ylabel("x, forward (mm)")
-        axes.yaxis.set_label_coords(-38.0 / width, 0.5)
-        axes.set_xlabel("y, to the left (mm)")
-        return page.svg(_alt("between the feet", feet, paths))
+    panel = Above(*_extent(feet, paths), partial(_draw, feet, paths, named=True))
+    return from_above([panel], _legends(paths), _alt("between the feet", feet, paths))
 
 
 def cop_under_feet(feet: Sequence[tuple[FootShape, Sequence[CopPath]]]) -> str:
     """CoP paths under each foot in its own sole frame; as many panels as feet."""
-    extents = [_extent([foot], paths) for foot, paths in feet]
-    span = np.max([high - low for low, high in extents], axis=0)
-    gap = 30.0
-    width = (WIDTH - LEFT - 8.0 - gap * (len(feet) - 1)) / len(feet)
-    scale = min(width / span[1], 300.0 / span[0])
-    height = scale * span[0]
-    with canvas(TOP + 14.0 + height + BOTTOM) as page:
-        _legends(page, feet[0][1])
-        for index, ((foot, paths), (low, high)) in enumerate(zip(feet, extents, strict=True)):
-            left = LEFT + index * (width + gap)
-            axes = page.panel(TOP + 14.0, height, left=left, right=left + width)
-            middle, half = (low + high) / 2.0, np.array([height, width]) / scale / 2.0
-            _draw(axes, [foot], paths, middle - half, middle + half, named=False)
-            axes.set_title(f"{readable(foot.label)} foot", pad=4.0, fontsize=TEXT)
-            axes.set_xlabel("y (mm)")
-            if index == 0:
-                axes.set_ylabel("x, forward (mm)")
-                axes.yaxis.set_label_coords(-38.0 / width, 0.5)
-        return page.svg(_alt("under each foot", [foot for foot, _ in feet], feet[0][1]))
+    panels = [
+        Above(*_extent([foot], paths), partial(_draw, [foot], paths, named=False),
+              f"{foot.label} foot")
+        for foot, paths in feet
+    ]  # fmt: skip
+    alt = _alt("under each foot", [foot for foot, _ in feet], feet[0][1])
+    return from_above(panels, _legends(feet[0][1]), alt, tallest=300.0)
 
 
 def _alt(where: str, feet: Sequence[FootShape], paths: Sequence[CopPath]) -> str:
@@ -125,21 +171,12 @@ def _extent(feet: Sequence[FootShape], paths: Sequence[CopPath]) -> tuple[FloatA
 
 
 def _draw(
-    axes: Axes,
-    feet: Sequence[FootShape],
-    paths: Sequence[CopPath],
-    low: FloatArray,
-    high: FloatArray,
-    *,
-    named: bool = True,
+    feet: Sequence[FootShape], paths: Sequence[CopPath], axes: Axes, _: float, *, named: bool
 ) -> None:
     draw_feet(axes, feet, named=named)
     for path in paths:
         x, y = 1e3 * path.points.T
         draw_line(axes, y, x, path.look)
-    axes.set_ylim(low[0], high[0])
-    axes.set_xlim(high[1], low[1])
-    axes.locator_params(nbins=5)
 
 
 def draw_feet(axes: Axes, feet: Sequence[FootShape], *, named: bool = True) -> None:
@@ -165,19 +202,18 @@ def draw_feet(axes: Axes, feet: Sequence[FootShape], *, named: bool = True) -> N
             )
 
 
-def _legends(page: Canvas, paths: Sequence[CopPath]) -> None:
-    page.legend([line_key(path.look, path.label) for path in paths], left=LEFT - 6.0)
-    page.legend(shape_keys(), left=LEFT - 6.0, top=18.0)
+def _legends(paths: Sequence[CopPath]) -> list[Sequence[Artist]]:
+    return [[line_key(path.look, path.label) for path in paths], shape_keys()]
 
 
 def shape_keys() -> list[Artist]:
     """Legend entries of what belongs to a foot."""
-    return [
-        Patch(facecolor=SOLE.light, edgecolor="none", label="sole"),
-        Patch(facecolor="none", edgecolor=MUTED.light, linewidth=0.9, label="sensing polygon"),
-        Line2D([], [], linestyle="", marker="o", markersize=5.0, markerfacecolor="none",
-               color=INK.light, label="cell"),
-    ]  # fmt: skip
+    return [area_key(SOLE, "sole"), polygon_key(), marker_key("o", INK, "cell", 5.0)]
+
+
+def polygon_key() -> Patch:
+    """Legend entry of a sensing polygon."""
+    return Patch(facecolor="none", edgecolor=MUTED.light, linewidth=0.9, label="sensing polygon")
 
 
 def foot_shape(

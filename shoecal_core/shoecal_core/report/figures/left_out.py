@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from matplotlib.patches import Patch
 
 from shoecal_core.report.palette import INK, RULE, STEPS
-from shoecal_core.report.svg import canvas, readable
+from shoecal_core.report.svg import area_key, canvas, readable
 
 ROW, LINE, BOTTOM = 20.0, 17.0, 34.0
 PER_LINE = 3
@@ -39,7 +39,7 @@ def left_out_in_time(runs: Sequence[RunSpan]) -> str:
     """One line a run: what counts, and what was left out for which cause."""
     causes = list(dict.fromkeys(cause for run in runs for cause in run.stretches))
     colours = {cause: STEPS[APART * index % len(STEPS)].light for index, cause in enumerate(causes)}
-    keys = [Patch(facecolor=RULE.light, edgecolor="none", label="counts")]
+    keys = [area_key(RULE, "counts")]
     keys += [
         Patch(facecolor=colour, edgecolor="none", label=readable(cause))
         for cause, colour in colours.items()

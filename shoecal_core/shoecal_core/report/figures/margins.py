@@ -11,7 +11,7 @@ from matplotlib.patches import Patch
 from shoecal_core.planning.checking.findings import ConstraintMargin
 from shoecal_core.report.palette import FAIL, INK, MUTED, SOLE, TEAL
 from shoecal_core.report.quantities import SPACE, number
-from shoecal_core.report.svg import SMALL, WIDTH, canvas, readable
+from shoecal_core.report.svg import SMALL, WIDTH, area_key, canvas, readable
 
 ROW, TOP, BOTTOM = 30.0, 22.0, 38.0
 SHOWN = 1.08
@@ -105,7 +105,7 @@ def _decimals(limit: float) -> int:
 
 def _keys() -> list[Patch | Line2D]:
     return [
-        Patch(facecolor=TEAL.light, edgecolor="none", label="kept"),
-        Patch(facecolor=FAIL.light, edgecolor="none", label="violated"),
+        area_key(TEAL, "kept"),
+        area_key(FAIL, "violated"),
         Line2D([], [], color=INK.light, linewidth=1.0, label="limit of the check"),
     ]

@@ -8,12 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from shoecal_core.report.palette import INK, MUTED, RULE, SOLE, WARN, Look
 from shoecal_core.report.quantities import size
-from shoecal_core.report.svg import SMALL, WIDTH, canvas, draw_line, line_key, readable
+from shoecal_core.report.svg import SMALL, WIDTH, area_key, canvas, draw_line, line_key, readable
 
 FloatArray = NDArray[np.float64]
 
@@ -67,7 +66,7 @@ def run_lines(
     with canvas(first + height + BOTTOM) as page:
         keys = [line_key(looks[0], "nothing added")]
         keys += [line_key(looks[1], "with what was found")] if after else []
-        page.legend([*keys, Patch(facecolor=SOLE.light, edgecolor="none", label="noise (±2 σ)")])
+        page.legend([*keys, area_key(SOLE, "noise (±2 σ)")])
         if others:
             page.legend(others, top=LINE)
         page.write(0.0, first - 9.0, f"each row: ±{edge:.2g} {unit}", fontsize=SMALL,
@@ -91,7 +90,7 @@ def run_lines(
 def _others(rows: Sequence[RunLine]) -> list[Artist]:
     keys: list[Artist] = []
     if any(row.lifted for row in rows):
-        keys.append(Patch(facecolor=RULE.light, edgecolor="none", label="one foot lifted"))
+        keys.append(area_key(RULE, "one foot lifted"))
     if any(row.onsets for row in rows):
         keys.append(line_key(Look(WARN, 1.6, (2.0, 1.0)), "something begins"))
     return keys

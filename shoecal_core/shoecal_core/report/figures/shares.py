@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from matplotlib.patches import Patch
-
 from shoecal_core.report.palette import RULE, Colour
-from shoecal_core.report.svg import SMALL, WIDTH, canvas, readable
+from shoecal_core.report.svg import SMALL, WIDTH, area_key, canvas, readable
 
 ROW, TOP, BAR = 33.0, 22.0, 9.0
 NUMBER = 46.0
@@ -45,7 +43,7 @@ def share_bars(shares: Sequence[Share], what: str) -> str:
     with canvas(top + height + 4.0) as page:
         if kinds:
             page.legend(
-                [Patch(facecolor=colour.light, edgecolor="none", label=kind)
+                [area_key(colour, kind)
                  for kind, colour in kinds.items()]
             )  # fmt: skip
         axes = page.panel(top, height, left=2.0, right=WIDTH - NUMBER)

@@ -4,27 +4,41 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
-from matplotlib.patches import Circle, Patch, Polygon
+from matplotlib.patches import Circle, Polygon
 from numpy.typing import NDArray
 
-from shoecal_core.report.figures.feet import FootShape, draw_feet
+from shoecal_core.report.figures.feet import (
+    LEFT,
+    Above,
+    FootShape,
+    draw_feet,
+    from_above,
+    polygon_key,
+)
 from shoecal_core.report.palette import CARD, FAIL, INK, MUTED, SLATE, SOLE, STEPS, Look
 from shoecal_core.report.plan_content import TargetMark
-from shoecal_core.report.svg import SMALL, TEXT, WIDTH, Canvas, canvas, draw_line
+from shoecal_core.report.svg import (
+    SMALL,
+    TEXT,
+    WIDTH,
+    Canvas,
+    area_key,
+    draw_line,
+    line_key,
+    marker_key,
+)
 
 FloatArray = NDArray[np.float64]
 
-LEFT, TOP, BOTTOM = 50.0, 84.0, 36.0
 ROOM = 0.05
 """Around the feet, as part of what is shown."""
 LABEL, LINE, LETTER = 15.0, 4.0, 3.0
 """Units from a landmark to its number; more for a second line and for each further letter."""
-TALLEST = 330.0
 
 
 @dataclass(frozen=True)
@@ -65,7 +79,7 @@ class SupportPlan:
 
 def support_plan(plan: SupportPlan) -> str:
     """The plan from above; colours show the time."""
-    points = np.vstack(
+    points = 1e3 * np.vstack(
         [
             plan.cop,
             *(foot.outline for foot in plan.feet),
@@ -73,33 +87,24 @@ def support_plan(plan: SupportPlan) -> str:
             *(mark.place[None] for mark in plan.marks),
         ]
     )
-    low, high = 1e3 * points.min(axis=0), 1e3 * points.max(axis=0)
+    low, high = points.min(axis=0), points.max(axis=0)
     room = ROOM * float((high - low).max())
-    low, high = low - [1.5 * room, room], high + room
-    width = WIDTH - LEFT - 8.0
-    scale = min(width / (high[1] - low[1]), TALLEST / (high[0] - low[0]))
-    height = scale * (high[0] - low[0])
-    spare = width / scale - (high[1] - low[1])
-    with canvas(TOP + height + BOTTOM) as page:
-        page.legend(_shape_keys(plan), left=LEFT - 6.0, top=34.0)
-        page.legend(_path_keys(plan), left=LEFT - 6.0, top=52.0)
-        _time_scale(page, plan.time)
-        axes = page.panel(TOP, height, left=LEFT)
-        draw_feet(axes, plan.feet)
-        for hull in plan.hulls:
-            axes.add_patch(Polygon(1e3 * hull[:, ::-1], facecolor="none", edgecolor=SLATE.light,
-                                   linewidth=1.1, linestyle=(0, (4, 2))))  # fmt: skip
-        for swing in plan.swings:
-            _draw_swing(axes, swing)
-        _draw_path(axes, plan)
-        _draw_marks(axes, plan, scale)
-        axes.set_ylim(low[0], high[0])
-        axes.set_xlim(high[1] + spare / 2.0, low[1] - spare / 2.0)
-        axes.locator_params(nbins=6)
-        axes.set_ylabel("x, forward (mm)")
-        axes.yaxis.set_label_coords(-38.0 / width, 0.5)
-        axes.set_xlabel("y, to the left (mm)")
-        return page.svg(_alt(plan))
+    panel = Above(low - [1.5 * room, room], high + room, partial(_draw, plan))
+    return from_above(
+        [panel], [_shape_keys(plan), _path_keys(plan)], _alt(plan), tallest=330.0,
+        band=partial(_time_scale, plan.time),
+    )  # fmt: skip
+
+
+def _draw(plan: SupportPlan, axes: Axes, scale: float) -> None:
+    draw_feet(axes, plan.feet)
+    for hull in plan.hulls:
+        axes.add_patch(Polygon(1e3 * hull[:, ::-1], facecolor="none", edgecolor=SLATE.light,
+                               linewidth=1.1, linestyle=(0, (4, 2))))  # fmt: skip
+    for swing in plan.swings:
+        _draw_swing(axes, swing)
+    _draw_path(axes, plan)
+    _draw_marks(axes, plan, scale)
 
 
 def _alt(plan: SupportPlan) -> str:
@@ -113,10 +118,10 @@ def _alt(plan: SupportPlan) -> str:
     )
 
 
-def _time_scale(page: Canvas, time: FloatArray) -> None:
+def _time_scale(time: FloatArray, page: Canvas, top: float) -> None:
     """A bar of the path's colours with their times."""
-    page.write(LEFT, 12.0, "CoP path by time", fontsize=SMALL, va="center")
-    axes = page.panel(7.0, 9.0, left=LEFT + 88.0, right=WIDTH - 20.0)
+    page.write(LEFT, top + 5.0, "CoP path by time", fontsize=SMALL, va="center")
+    axes = page.panel(top, 9.0, left=LEFT + 88.0, right=WIDTH - 20.0)
     axes.grid(visible=False)
     axes.spines[:].set_visible(False)
     edges = np.linspace(time[0], time[-1], len(STEPS) + 1)
@@ -192,29 +197,22 @@ def _draw_swing(axes: Axes, swing: Swing) -> None:
 
 def _shape_keys(plan: SupportPlan) -> list[Artist]:
     keys: list[Artist] = [
-        Patch(facecolor=SOLE.light, edgecolor="none", label="sole"),
-        Patch(facecolor="none", edgecolor=MUTED.light, linewidth=0.9, label="sensing polygon"),
-        Line2D([], [], color=SLATE.light, linewidth=1.1, linestyle=(0, (4, 2)),
-               label="sensing hull"),
-    ]  # fmt: skip
+        area_key(SOLE, "sole"),
+        polygon_key(),
+        line_key(Look(SLATE, 1.1, (4.0, 2.0)), "sensing hull"),
+    ]
     if plan.swings:
-        keys.append(Line2D([], [], color=MUTED.light, linewidth=1.4, linestyle=(0, (1.5, 1.5)),
-                           label="lifted foot"))  # fmt: skip
+        keys.append(line_key(Look(MUTED, 1.4, (1.5, 1.5)), "lifted foot"))
     return keys
 
 
 def _path_keys(plan: SupportPlan) -> list[Artist]:
-    def ring(colour: str, label: str) -> Line2D:
-        return Line2D([], [], linestyle="", marker="o", markersize=6.0, markerfacecolor="none",
-                      color=colour, label=label)  # fmt: skip
-
     keys: list[Artist] = [
-        Line2D([], [], linestyle="", marker="o", markersize=6.5, markerfacecolor=CARD.light,
-               color=INK.light, markeredgewidth=1.4, label="start"),
-        Line2D([], [], linestyle="", marker="s", markersize=4.5, color=INK.light, label="end"),
-    ]  # fmt: skip
+        marker_key("o", INK, "start", 6.5),
+        marker_key("s", INK, "end", filled=True),
+    ]
     if plan.marks:
-        keys.append(ring(INK.light, "landmark, in order"))
+        keys.append(marker_key("o", INK, "landmark, in order", 6.0))
     if any(mark.missing for mark in plan.marks):
-        keys.append(ring(FAIL.light, "not reached: distance"))
+        keys.append(marker_key("o", FAIL, "not reached: distance", 6.0))
     return keys
