@@ -14,9 +14,10 @@ from shoecal_core.report.calibration_content import CalibrationReport
 from shoecal_core.report.error_source_names import cure, source_name
 from shoecal_core.report.figures.error_map import ErrorMap, common_levels, error_map
 from shoecal_core.report.figures.feet import foot_shape
-from shoecal_core.report.figures.sources import largest_sources
+from shoecal_core.report.figures.named_bars import NamedBar, named_bars
 from shoecal_core.report.page import Group, KeyFigure, Picture, Section, Table
-from shoecal_core.report.quantities import UNKNOWN, number, size, uncertain
+from shoecal_core.report.palette import RED
+from shoecal_core.report.quantities import UNKNOWN, number, quantity, size, uncertain
 from shoecal_core.report.screening_parts import findings_table, left_out_spans, left_out_table
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.shoe.shoe import FEET
@@ -103,10 +104,15 @@ def source_pictures(assessed: Assessment) -> tuple[Picture, ...]:
     for label, part in (("both feet together", slice(0, 1)), ("a single foot", slice(1, 3))):
         sizes = {source_name(one.effect): 1e3 * rms(one.size[part]) for one in budget.sources}
         largest = sorted(sizes, key=lambda name: sizes[name], reverse=True)[:SHOWN_SOURCES]
+        whole = max(sizes[largest[0]], 1e-9)
+        bars = [
+            NamedBar(name, quantity(sizes[name], "mm", 1), sizes[name] / whole, RED)
+            for name in largest
+        ]
         pictures.append(
             Picture(
                 f"Error sources of the CoP, {label}",
-                largest_sources(largest, [sizes[name] for name in largest], "mm", "expected error"),
+                named_bars(bars, "Sources of the expected error"),
                 "Root mean square over the sensing polygons. The squares of all sources add up to "
                 "the square of the expected error.",
             )

@@ -17,7 +17,6 @@ from shoecal_core.report.assessment import (
 from shoecal_core.report.calibration_content import CalibrationReport
 from shoecal_core.report.calibration_figures import (
     accuracy_pictures,
-    channel_pictures,
     foot_picture,
     run_pictures,
     set_name,
@@ -167,7 +166,7 @@ def _assessment(content: CalibrationReport) -> tuple[Section, ...]:
 
 
 def _channels(content: CalibrationReport) -> Section:
-    group = Group(pictures=channel_pictures(content), tables=(channels_table(content),))
+    group = Group(tables=(channels_table(content),))
     return Section("Channels", (group,))
 
 

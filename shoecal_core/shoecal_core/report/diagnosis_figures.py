@@ -7,18 +7,16 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.diagnosis.result import Diagnosis, Evidence, Fitted
+from shoecal_core.diagnosis.result import Diagnosis, Evidence
 from shoecal_core.report import palette
 from shoecal_core.report.diagnosis_places import cop_residual, noise_of, signal
 from shoecal_core.report.diagnosis_words import (
     candidate_text,
-    label_text,
     signal_text,
     where_text,
 )
-from shoecal_core.report.figures.added_variable import Added, added_variables
+from shoecal_core.report.figures.named_bars import NamedBar, named_bars, percent
 from shoecal_core.report.figures.run_lines import RunLine, run_lines
-from shoecal_core.report.figures.shares import Share, share_bars
 from shoecal_core.report.page import Picture
 
 BEFORE = palette.Look(palette.RED, 1.1)
@@ -62,7 +60,7 @@ def unit_of(name: str) -> tuple[float, str]:
 def share_picture(diagnosis: Diagnosis) -> Picture | None:
     """Shares of the gap; None where there are none."""
     shares = [
-        Share(where_text(place), place.share, palette.BLUE)
+        NamedBar(where_text(place), percent(place.share), place.share, palette.BLUE)
         for place in diagnosis.where[:MOST_SHARES]
         if place.share > 0.0
     ]
@@ -70,7 +68,7 @@ def share_picture(diagnosis: Diagnosis) -> Picture | None:
         return None
     return Picture(
         "Shares of the gap",
-        share_bars(shares, "Shares of the gap"),
+        named_bars(shares, "Shares of the gap"),
         "Of all that is more than noise on the runs judged: which signal holds it, and as near as "
         "it is known, at which foot, cell or joint, in which run, from when on.",
     )
@@ -92,7 +90,8 @@ def ranking_picture(diagnosis: Diagnosis) -> Picture | None:
             colour, kind = palette.TEAL, "chosen"
         elif key in alike:
             colour, kind = palette.WARN, "as good as a chosen one"
-        shares.append(Share(candidate_text(one), one.probability, colour, kind))
+        number = percent(one.probability)
+        shares.append(NamedBar(candidate_text(one), number, one.probability, colour, kind))
     caption = (
         "By how well each predicts runs that were left out of its fit, everything else refitted "
         "with it. "
@@ -103,55 +102,9 @@ def ranking_picture(diagnosis: Diagnosis) -> Picture | None:
         caption += "Probable as against each other only: none of them makes the gap small."
     return Picture(
         "How probable each candidate is",
-        share_bars(shares, "Probabilities of the candidates"),
+        named_bars(shares, "Probabilities of the candidates"),
         caption,
     )
-
-
-def candidate_pictures(evidence: Evidence) -> tuple[Picture, ...]:
-    """Residual against what each of the best candidates changes in it, by signal."""
-    rivals = evidence.rivals[:MOST_RIVALS]
-    if not rivals:
-        return ()
-    rows = evidence.test if evidence.test.any() else np.ones(len(evidence.time), dtype=bool)
-    names = sorted(evidence.signals, key=lambda name: -_moved(evidence, rivals, name, rows))
-    pictures = []
-    for name in names[:MOST_COMPARED]:
-        if not _moved(evidence, rivals, name, rows) > 0.0:
-            continue
-        factor, unit = unit_of(name)
-        title = signal_text(name)
-        panels = [_added(evidence, rival, name, rows, factor) for rival in rivals]
-        pictures.append(
-            Picture(
-                title,
-                added_variables(
-                    [one for one in panels if len(one.change)], (BEFORE, AFTER), unit, title
-                ),
-                "Right candidate: without it the dots climb like the dashed line, with it they lie "
-                "flat. A narrow column: this candidate can change next to nothing here.",
-                tall=True,
-            )
-        )
-    return tuple(pictures)
-
-
-def _moved(evidence: Evidence, rivals: tuple[Fitted, ...], name: str, rows: BoolArray) -> float:
-    """How much the best candidate changes a signal, in standard deviations of its noise."""
-    change = (signal(evidence, evidence.without, name) - signal(evidence, rivals[0], name))[rows]
-    known = change[np.isfinite(change)]
-    noise = noise_of(evidence, name)
-    if len(known) < 10 or not noise > 0.0:
-        return 0.0
-    return float(np.sqrt(np.mean(known**2))) / noise
-
-
-def _added(evidence: Evidence, rival: Fitted, name: str, rows: BoolArray, factor: float) -> Added:
-    before = factor * signal(evidence, evidence.without, name)[rows]
-    after = factor * signal(evidence, rival, name)[rows]
-    known = np.isfinite(before) & np.isfinite(after)
-    before, after = before[known], after[known]
-    return Added(label_text(rival.label), before - after, before, after)
 
 
 def hidden_rms_mm(evidence: Evidence) -> tuple[float, float]:

@@ -9,7 +9,6 @@ from shoecal_core.diagnosis.result import Diagnosis, Evidence, Fitted
 from shoecal_core.report import palette
 from shoecal_core.report.diagnosis_figures import AFTER, BEFORE
 from shoecal_core.report.diagnosis_places import (
-    Field,
     accounted_for,
     cop_noise,
     field_between,
@@ -18,13 +17,12 @@ from shoecal_core.report.diagnosis_places import (
 )
 from shoecal_core.report.figures import residual_field
 from shoecal_core.report.figures.feet import foot_shape
+from shoecal_core.report.figures.named_bars import percent
 from shoecal_core.report.figures.residual_field import (
-    Arrows,
     SoleOutline,
     field_under_feet,
     magnification,
 )
-from shoecal_core.report.figures.shares import percent
 from shoecal_core.report.page import Picture
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import Shoe
@@ -44,7 +42,7 @@ def place_pictures(
     supports = [stands(evidence, int(run)) for run in np.unique(evidence.run)]
     known = [one for one in dict.fromkeys(supports) if one is not None]
     fields = [field_between(evidence, fitted, every) for _, fitted, _ in pairs]
-    times = magnification([_arrows(one) for one in fields], cop_noise(evidence))
+    times = magnification(fields, cop_noise(evidence))
     pictures = []
     for (label, _, look), one in zip(pairs, fields, strict=True):
         if not known or not len(one.places):
@@ -54,7 +52,7 @@ def place_pictures(
         pictures.append(
             Picture(
                 f"CoP error between the feet{label}",
-                residual_field.field_between(left, rights, _arrows(one), look, times),
+                residual_field.field_between(left, rights, one, look, times),
                 "Each arrow starts where the model has the CoP and points to where the shoes "
                 "measured it. Look for arrows that all point one way or grow towards one place: "
                 "noise alone leaves short ones in all directions."
@@ -75,7 +73,7 @@ def _under_feet(
     fields = [
         [field_under(evidence, fitted, every, foot) for foot in (0, 1)] for _, fitted, _ in pairs
     ]
-    times = magnification([_arrows(one) for both in fields for one in both], cop_noise(evidence))
+    times = magnification([one for both in fields for one in both], cop_noise(evidence))
     shares, meaning = _cell_shares(diagnosis), "its share of the gap"
     if not shares:
         shares, meaning = (
@@ -87,7 +85,7 @@ def _under_feet(
     pictures = []
     for (label, _, look), both in zip(pairs, fields, strict=True):
         soles = [
-            SoleOutline(foot_shape(robot, shoe, foot), _arrows(both[foot]), both[foot].force,
+            SoleOutline(foot_shape(robot, shoe, foot), both[foot],
                  _at_cells(shoe, foot, shares) if label == pairs[0][0] else ())
             for foot in (0, 1)
         ]  # fmt: skip
@@ -102,10 +100,6 @@ def _under_feet(
             )
         )
     return pictures
-
-
-def _arrows(one: Field) -> Arrows:
-    return Arrows(one.places, one.arrows)
 
 
 def _cell_shares(diagnosis: Diagnosis) -> dict[str, float]:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.result import Evidence, Fitted
+from shoecal_core.report.figures.residual_field import Field
 from shoecal_core.robot.double_support import DoubleSupport
 
 FloatArray = NDArray[np.float64]
@@ -19,21 +18,6 @@ CELL_M = 0.008
 """Side of the squares over which arrows are averaged [m]."""
 LEAST_SAMPLES = 3
 """Fewer in a square are noise."""
-
-
-@dataclass(frozen=True)
-class Field:
-    """A residual over places, k squares of a grid.
-
-    Attributes:
-        places: (k, 2) middle of the samples in each square [m].
-        arrows: (k, 2) mean CoP residual there [m].
-        force: (k,) mean GRF residual there [N].
-    """
-
-    places: FloatArray
-    arrows: FloatArray
-    force: FloatArray
 
 
 def signal(evidence: Evidence, fitted: Fitted, name: str) -> FloatArray:

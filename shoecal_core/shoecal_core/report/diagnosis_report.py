@@ -10,7 +10,6 @@ import numpy as np
 from shoecal_core.diagnosis.result import Diagnosis
 from shoecal_core.report.diagnosis_answer import key_figures, run_text, verdict_of
 from shoecal_core.report.diagnosis_figures import (
-    candidate_pictures,
     hidden_rms_mm,
     quiet_signals,
     ranking_picture,
@@ -29,7 +28,7 @@ from shoecal_core.report.diagnosis_tables import (
 )
 from shoecal_core.report.diagnosis_words import label_text, listed, motion_text, signal_text
 from shoecal_core.report.html import write_page
-from shoecal_core.report.page import Group, Page, Picture, Section, Table
+from shoecal_core.report.page import Group, Page, Section, Table
 from shoecal_core.report.quantities import size
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import Shoe
@@ -113,27 +112,12 @@ def _where(diagnosis: Diagnosis, robot: Robot, shoe: Shoe) -> Section:
 
 
 def _which(diagnosis: Diagnosis) -> Section | None:
-    pictures: list[Picture] = []
     ranking = ranking_picture(diagnosis)
-    if ranking is not None:
-        pictures.append(ranking)
+    pictures = () if ranking is None else (ranking,)
     tables = (causes_table(diagnosis),) if diagnosis.causes else ()
-    groups = []
-    if diagnosis.evidence is not None:
-        against = candidate_pictures(diagnosis.evidence)
-        if against:
-            groups.append(
-                Group(
-                    "What is left against what each candidate would change",
-                    "A candidate is put into the model, and gains and offsets are fitted again. "
-                    "What it then changes in a signal is drawn to the right, what was left of the "
-                    "signal upwards. Best candidates first; test runs where there are any.",
-                    pictures=against,
-                )
-            )
-    if pictures or tables:
-        groups.append(Group("Candidates", pictures=tuple(pictures), tables=tables))
-    return Section("Which cause", tuple(groups)) if groups else None
+    if not pictures and not tables:
+        return None
+    return Section("Which cause", (Group(pictures=pictures, tables=tables),))
 
 
 def _alike(diagnosis: Diagnosis) -> Section:

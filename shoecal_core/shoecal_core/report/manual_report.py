@@ -16,10 +16,9 @@ from shoecal_core.manual.calibrate import FootResult
 from shoecal_core.manual.cells import CellFit
 from shoecal_core.report.calibration_report import made, verdict_of
 from shoecal_core.report.calibration_tables import belongs_to
-from shoecal_core.report.figures.cells import CellLine, cell_residuals
 from shoecal_core.report.figures.feet import foot_shape
-from shoecal_core.report.figures.intervals import IntervalColumn, intervals
 from shoecal_core.report.figures.loads import KnownLoads, cop_under_loads, forces_under_loads
+from shoecal_core.report.figures.tracks import ChannelTrack, tracks
 from shoecal_core.report.html import write_page
 from shoecal_core.report.page import Group, KeyFigure, Page, Picture, Section, Table
 from shoecal_core.report.quantities import (
@@ -118,35 +117,10 @@ def known_loads(content: ManualReport, foot: FootResult) -> KnownLoads:
 
 
 def cell_pictures(content: ManualReport) -> tuple[Picture, ...]:
-    """Gains and offsets, and how far single cells are off their lines."""
-    shoe, calibration = content.shoe, content.calibration
-    count = len(shoe.names)
-    unit, gain_unit = channel_units(shoe, torque=False)
-    std = np.full(2 * count, np.nan)
-    if calibration.covariance is not None:
-        std = np.sqrt(np.diag(calibration.covariance))
-    unknown = np.full(count, np.nan)
-    start = np.array([fit.offset for fit in content.cells]) if content.feet else unknown
-    columns = [
-        IntervalColumn(f"|gain| ({gain_unit})", np.abs(calibration.parameters.gain),
-               NORMAL_95 * std[:count], unknown),
-        IntervalColumn(f"offset ({unit})", calibration.parameters.offset, NORMAL_95 * std[count:],
-               start if len(start) == count else unknown),
-    ]  # fmt: skip
-    names = [
-        name + (" (−)" if gain < 0.0 else "")
-        for name, gain in zip(shoe.names, calibration.parameters.gain, strict=True)
-    ]
-    inverted = bool((calibration.parameters.gain < 0.0).any())
-    pictures = [
-        Picture(
-            "Gains and offsets",
-            intervals(names, columns, start="off the shoe"),
-            "(−): pressing it lowers its reading." if inverted else "",
-        )
-    ]
+    """How far single cells are off their lines."""
+    shoe, pictures = content.shoe, []
     lines = [
-        CellLine(fit.name, fit.masses, fit.residuals)
+        ChannelTrack(fit.name, fit.masses, 1e3 * fit.residuals)
         for fit in content.cells
         if len(fit.masses) >= LEAST_LOADS
     ]
@@ -156,7 +130,7 @@ def cell_pictures(content: ManualReport) -> tuple[Picture, ...]:
             pictures.append(
                 Picture(
                     f"Single cells of the {side} shoe",
-                    cell_residuals(own),
+                    tracks(own, "mass on the cell (kg)", "Δ force (mN)"),
                     "Force by each cell's own line, less the weight that stood on it.",
                 )
             )

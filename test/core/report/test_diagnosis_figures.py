@@ -7,23 +7,22 @@ from core.report.pages import read_svg
 from core.robot import robots
 from core.shoe import shoes
 from shoecal_core.report.diagnosis_figures import AFTER, BEFORE, unit_of
-from shoecal_core.report.figures.added_variable import Added, added_variables, slope
 from shoecal_core.report.figures.feet import foot_shape
+from shoecal_core.report.figures.named_bars import NamedBar, named_bars, percent
 from shoecal_core.report.figures.residual_field import (
     LONGEST_MM,
     LONGEST_OF_NOISE_MM,
-    Arrows,
+    Field,
     SoleOutline,
     field_between,
     field_under_feet,
     magnification,
 )
 from shoecal_core.report.figures.run_lines import RunLine, run_lines
-from shoecal_core.report.figures.shares import Share, percent, share_bars
 from shoecal_core.report.palette import BLUE
 
 LOOKS = (BEFORE, AFTER)
-NOTHING = Arrows(np.empty((0, 2)), np.empty((0, 2)))
+NOTHING = Field(np.empty((0, 2)), np.empty((0, 2)), np.empty(0))
 
 
 def alt(svg: str) -> str:
@@ -31,7 +30,11 @@ def alt(svg: str) -> str:
 
 
 def test_shares_are_told() -> None:
-    told = alt(share_bars([Share("a", 0.46, BLUE, "kind"), Share("b", 1.4, BLUE)], "Shares"))
+    told = alt(
+        named_bars(
+            [NamedBar("a", "46 %", 0.46, BLUE, "kind"), NamedBar("b", "140 %", 1.4, BLUE)], "Shares"
+        )
+    )
     assert told == "Shares: a 46 %; b 140 %."
     assert [percent(value) for value in (0.0, 0.001, 0.5, 0.999, 1.0)] == [
         "0 %", "< 1 %", "50 %", "> 99 %", "100 %",
@@ -54,20 +57,8 @@ def test_lines_by_run() -> None:
     assert "something begins" not in alone
 
 
-def test_the_right_candidate_turns_the_diagonal_flat() -> None:
-    rng = np.random.default_rng(1)
-    change = rng.normal(size=200)
-    noise = 0.01 * rng.normal(size=200)
-    right = Added("right", change, change + noise, noise)
-    wrong = Added("wrong", np.zeros(200), change, change)
-    told = alt(added_variables([right, wrong], LOOKS, "mm", "CoP"))
-    assert "right: slope 1.00 without, " in told
-    assert "wrong: slope 0.00 without, 0.00 with it" in told
-    assert slope(change, 3.0 * change) == pytest.approx(3.0)
-
-
 def test_arrows_have_one_round_scale_and_noise_stays_short() -> None:
-    one = Arrows(np.zeros((9, 2)), np.full((9, 2), 2e-3))
+    one = Field(np.zeros((9, 2)), np.full((9, 2), 2e-3), np.zeros(9))
     for noise in (0.0, 4e-4, 5e-3):
         times = magnification([one, NOTHING], noise)
         assert 2e-3 * np.sqrt(2.0) * times <= 1e-3 * LONGEST_MM
@@ -79,13 +70,16 @@ def test_arrows_have_one_round_scale_and_noise_stays_short() -> None:
 def test_feet_with_and_without_arrows() -> None:
     robot, shoe = robots.load("nao"), shoes.shoe("nao_shoe")
     left, right = (foot_shape(robot, shoe, foot) for foot in (0, 1))
-    some = Arrows(np.array([[0.01, 0.0], [0.03, 0.01]]), np.array([[1e-3, 0.0], [0.0, 2e-3]]))
+    some = Field(
+        np.array([[0.01, 0.0], [0.03, 0.01]]), np.array([[1e-3, 0.0], [0.0, 2e-3]]),
+        np.array([0.4, -0.2]),
+    )  # fmt: skip
     assert "2 places, 1.50 mm on average, 2.00 mm at most" in alt(
         field_between(left, [right], some, BEFORE, 5.0)
     )
     soles = [
-        SoleOutline(left, some, np.array([0.4, -0.2]), ((left.cells[0], "46 %"),)),
-        SoleOutline(right, NOTHING, np.empty(0)),
+        SoleOutline(left, some, ((left.cells[0], "46 %"),)),
+        SoleOutline(right, NOTHING),
     ]
     svg = field_under_feet(soles, BEFORE, 5.0, 0.4)
     assert ">46 %<" in svg

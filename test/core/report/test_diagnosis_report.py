@@ -50,8 +50,8 @@ def test_a_whole_report(tmp_path: Path, evidence: Evidence) -> None:
     write_diagnosis_report(found, path, robot=robots.load(NAO), shoe=shoes.shoe(SHOE))
     html = path.read_text(encoding="utf-8")
     document = read(html)
-    # Five on the feet, four signals, three against candidates, the ranking.
-    assert document.tags["svg"] == 5 + 4 + 3 + 1
+    # Five on the feet, four signals, the ranking.
+    assert document.tags["svg"] == 5 + 4 + 1
     assert path.stat().st_size < 3_000_000
     assert "script" not in document.tags
     assert not re.search(r"https?:", html)

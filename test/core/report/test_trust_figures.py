@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from core.report.pages import read_svg
 from shoecal_core.report.figures.left_out import RunSpan, left_out_in_time
-from shoecal_core.report.figures.sources import largest_sources
+from shoecal_core.report.figures.named_bars import NamedBar, named_bars
+from shoecal_core.report.palette import RED
 
 
 def test_error_sources_by_name() -> None:
-    root = read_svg(largest_sources(["zeros of joints", "x" * 90], [12.3, 0.0], "mm", "error"))
-    assert {"zeros of joints", "12 mm", "error (mm)"} <= set(root.itertext())
-    assert "zeros of joints 12 mm" in root.attrib["aria-label"]
+    bars = [NamedBar("zeros of joints", "12 mm", 1.0, RED), NamedBar("x" * 90, "0 mm", 0.0, RED)]
+    root = read_svg(named_bars(bars, "Sources"))
+    assert {"zeros of joints", "12 mm"} <= set(root.itertext())
+    assert root.attrib["aria-label"].startswith("Sources: zeros of joints 12 mm; x")
 
 
 def test_samples_left_out_in_time() -> None:

@@ -34,16 +34,18 @@ BUBBLE_MM = 7.0
 
 
 @dataclass(frozen=True)
-class Arrows:
-    """Means over small squares.
+class Field:
+    """A residual over places, k squares of a grid.
 
     Attributes:
-        places: (k, 2) where [m].
-        vectors: (k, 2) how far off there [m].
+        places: (k, 2) middle of the samples in each square [m].
+        arrows: (k, 2) mean CoP residual there [m].
+        force: (k,) mean GRF residual there [N].
     """
 
     places: FloatArray
-    vectors: FloatArray
+    arrows: FloatArray
+    force: FloatArray
 
 
 @dataclass(frozen=True)
@@ -52,25 +54,23 @@ class SoleOutline:
 
     Attributes:
         shape: of it, in the frame of the panel.
-        arrows: over it.
-        force: (k,) force that is too much at each arrow's place [N]; empty: not drawn.
+        field: over it.
         shares: text at each cell (place, text).
     """
 
     shape: FootShape
-    arrows: Arrows
-    force: FloatArray
+    field: Field
     shares: tuple[tuple[FloatArray, str], ...] = ()
 
 
-def magnification(fields: Sequence[Arrows], noise: float) -> float:
+def magnification(fields: Sequence[Field], noise: float) -> float:
     """How many times longer than true arrows are drawn; the same for all figures of one kind.
 
     Args:
         fields: to be drawn.
         noise: standard deviation of one sample [m]; it is never blown up to a long arrow.
     """
-    lengths = np.concatenate([np.linalg.norm(one.vectors, axis=1) for one in fields])
+    lengths = np.concatenate([np.linalg.norm(one.arrows, axis=1) for one in fields])
     if not len(lengths) or not lengths.any():
         return 1.0
     most = 1e-3 * LONGEST_OF_NOISE_MM / noise if noise > 0.0 else np.inf
@@ -80,15 +80,15 @@ def magnification(fields: Sequence[Arrows], noise: float) -> float:
 
 
 def field_between(
-    left: FootShape, rights: Sequence[FootShape], arrows: Arrows, look: Look, times: float
+    left: FootShape, rights: Sequence[FootShape], field: Field, look: Look, times: float
 ) -> str:
     """Arrows between the feet, seen from above.
 
     Args:
         left: the left foot.
         rights: the right foot wherever it stood, in the left sole's frame.
-        arrows: in the same frame.
-        look: of them.
+        field: in the same frame.
+        look: of the arrows.
         times: see `magnification`.
     """
 
@@ -99,10 +99,10 @@ def field_between(
             axes.add_patch(Polygon(1e3 * foot.outline[:, ::-1], facecolor="none",
                                    edgecolor=MUTED.light, linewidth=0.5))  # fmt: skip
         draw_feet(axes, [left], named=False)
-        _quiver(axes, arrows, look, times)
+        _quiver(axes, field, look, times)
 
-    extent = around([*(foot.outline for foot in (left, *rights)), arrows.places])
-    alt = f"CoP error seen from above. {_summary(arrows)}"
+    extent = around([*(foot.outline for foot in (left, *rights)), field.places])
+    alt = f"CoP error seen from above. {_summary(field)}"
     return from_above([Above(*extent, draw)], [[_arrow_key(look, times)], shape_keys()], alt)
 
 
@@ -121,7 +121,7 @@ def field_under_feet(soles: Sequence[SoleOutline], look: Look, times: float, lar
         draw_feet(axes, [one.shape], named=False)
         if largest > 0.0:
             _bubbles(axes, one, largest, scale)
-        _quiver(axes, one.arrows, look, times)
+        _quiver(axes, one.field, look, times)
         for place, text in one.shares:
             _share(axes, place, text)
 
@@ -136,7 +136,7 @@ def field_under_feet(soles: Sequence[SoleOutline], look: Look, times: float, lar
               f"{one.shape.label} foot")
         for one in soles
     ]  # fmt: skip
-    listed = " ".join(f"{one.shape.label}: {_summary(one.arrows)}" for one in soles)
+    listed = " ".join(f"{one.shape.label}: {_summary(one.field)}" for one in soles)
     alt = f"CoP and GRF error under each foot. {listed}"
     return from_above(panels, [[_arrow_key(look, times)], shape_keys()], alt, band=band)
 
@@ -145,11 +145,11 @@ def _arrow_key(look: Look, times: float) -> Line2D:
     return line_key(look, f"CoP error, {times:g} × as long")
 
 
-def _quiver(axes: Axes, arrows: Arrows, look: Look, times: float) -> None:
-    if not len(arrows.places):
+def _quiver(axes: Axes, field: Field, look: Look, times: float) -> None:
+    if not len(field.places):
         return
-    x, y = 1e3 * arrows.places.T
-    u, v = 1e3 * times * arrows.vectors.T
+    x, y = 1e3 * field.places.T
+    u, v = 1e3 * times * field.arrows.T
     axes.quiver(y, x, v, u, angles="xy", scale_units="xy", scale=1.0, color=look.colour.light,
                 width=1.6, units="dots", headwidth=3.6, headlength=4.0, headaxislength=3.6,
                 minlength=0.5, zorder=3.0)  # fmt: skip
@@ -157,9 +157,9 @@ def _quiver(axes: Axes, arrows: Arrows, look: Look, times: float) -> None:
 
 def _bubbles(axes: Axes, one: SoleOutline, largest: float, scale: float) -> None:
     """Areas are in proportion to forces."""
-    x, y = 1e3 * one.arrows.places.T
-    sizes = np.abs(one.force) / largest * (BUBBLE_MM * scale) ** 2
-    for chosen, face in ((one.force >= 0.0, BLUE.light), (one.force < 0.0, "none")):
+    x, y = 1e3 * one.field.places.T
+    sizes = np.abs(one.field.force) / largest * (BUBBLE_MM * scale) ** 2
+    for chosen, face in ((one.field.force >= 0.0, BLUE.light), (one.field.force < 0.0, "none")):
         axes.scatter(y[chosen], x[chosen], s=sizes[chosen], facecolor=face, edgecolor=BLUE.light,
                      linewidth=0.7, alpha=0.55, zorder=2.0)  # fmt: skip
 
@@ -171,8 +171,8 @@ def _share(axes: Axes, place: FloatArray, text: str) -> None:
                   bbox={"facecolor": SOLE.light, "edgecolor": "none", "pad": 1.0})  # fmt: skip
 
 
-def _summary(arrows: Arrows) -> str:
-    lengths = 1e3 * np.linalg.norm(arrows.vectors, axis=1)
+def _summary(field: Field) -> str:
+    lengths = 1e3 * np.linalg.norm(field.arrows, axis=1)
     if not len(lengths):
         return "No sample."
     return (
