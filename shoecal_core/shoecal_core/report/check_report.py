@@ -29,11 +29,13 @@ from shoecal_core.report.page import (
 from shoecal_core.report.palette import Look
 from shoecal_core.report.quantities import UNKNOWN, double_support_text, quantity, uncertain
 from shoecal_core.report.screening_parts import findings_table, left_out_spans, left_out_table
+from shoecal_core.report.svg import line_key
 from shoecal_core.report.zeros_section import zeros_section
 from shoecal_core.robot.robot import GRAVITY, Robot
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.zeros import ZeroFigures
 from shoecal_core.screening.result import Screening
+from shoecal_core.shoe.shoe import FEET
 
 FEET_LOOKS = (Look(palette.BLUE, 1.1), Look(palette.RED, 1.1))
 """Left, right."""
@@ -98,8 +100,8 @@ def raw_picture(content: CheckReport, entry: RunEntry) -> Picture:
         rows.append(
             Strip(
                 label=channel.name,
-                look=FEET_LOOKS[channel.foot],
-                values=values,
+                time=readings.time,
+                lines=((FEET_LOOKS[channel.foot], values),),
                 low=low,
                 high=high,
                 limits=tuple(end for end in (channel.lowest, channel.highest) if low < end < high),
@@ -108,8 +110,8 @@ def raw_picture(content: CheckReport, entry: RunEntry) -> Picture:
                 kept=bool(known.any()) and channel.name not in faulty,
             )
         )
-    keys = [(FEET_LOOKS[0], "left"), (FEET_LOOKS[1], "right")]
-    svg = strips(readings.time, rows, keys, "each strip: that channel’s range", "range here")
+    keys = [line_key(look, side) for look, side in zip(FEET_LOOKS, FEET, strict=True)]
+    svg = strips(rows, keys, "each strip: that channel’s range", "range here")
     caption = f"Faulty: {', '.join(sorted(faulty))}." if faulty else ""
     return Picture(f"Run {entry.run} ({entry.info.motion})", svg, caption)
 

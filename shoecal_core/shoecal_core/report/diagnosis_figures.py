@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
+from matplotlib.artist import Artist
 from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.result import Diagnosis, Evidence
@@ -16,11 +18,12 @@ from shoecal_core.report.diagnosis_words import (
     where_text,
 )
 from shoecal_core.report.figures.named_bars import NamedBar, named_bars, percent
-from shoecal_core.report.figures.run_lines import RunLine, run_lines
+from shoecal_core.report.figures.strips import Strip, strips
 from shoecal_core.report.page import Picture
+from shoecal_core.report.palette import AFTER, BEFORE
+from shoecal_core.report.quantities import UNKNOWN, size
+from shoecal_core.report.svg import area_key, line_key
 
-BEFORE = palette.Look(palette.RED, 1.1)
-AFTER = palette.Look(palette.TEAL, 1.1)
 _LENGTH, _ANGLE, _FORCE = (1e3, "mm"), (180.0 / math.pi, "°"), (1.0, "N")
 _UNITS = {
     "grf": _FORCE, "cop": _LENGTH, "air_f": _FORCE, "air_m": (1.0, "N m"),
@@ -34,11 +37,14 @@ MOST_RIVALS = 4
 MOST_SHARES = 10
 LEAST_PROBABLE = 1e-3
 """Candidates beyond the best few are shown from here on."""
-MOST_COMPARED = 3
 ALWAYS = ("grf", "cop_x", "cop_y")
 LOUD = 1.3
 """Any other signal is drawn whose RMS is so many times its noise."""
 MOST_RUNS = 16
+TALL = 32.0
+"""Height of one run's row."""
+BAND = 2.0
+"""Standard deviations of the noise that the band shows to each side."""
 MOST_SIGNALS = 9
 _CAPTIONS = {
     "grf": "Measured minus the robot's weight. A run that is off as a whole: a drift or another "
@@ -133,13 +139,66 @@ def time_pictures(diagnosis: Diagnosis, evidence: Evidence) -> tuple[Picture, ..
 
 
 def _picture(diagnosis: Diagnosis, evidence: Evidence, name: str) -> Picture | None:
+    """The runs in which the signal is known; at most so many, the worst ones."""
     factor, unit = unit_of(name)
-    rows = _rows(diagnosis, evidence, name, factor)
-    if not rows:
+    fitted = [one for one in (evidence.without, evidence.explained) if one is not None]
+    values = [factor * signal(evidence, one, name) for one in fitted]
+    runs = _worst_runs(evidence, values[0])
+    if not runs:
         return None
-    title, noise = signal_text(name), factor * noise_of(evidence, name)
-    caption = _CAPTIONS.get(name.partition("_")[0], "")
-    return Picture(title, run_lines(rows, (BEFORE, AFTER), unit, noise, title), caption)
+    noise = factor * noise_of(evidence, name)
+    edge = _edge(np.concatenate([one[np.isin(evidence.run, runs)] for one in values]), noise)
+    rows = []
+    for run in runs:
+        own = evidence.run == run
+        test = " · test" if evidence.test[own].any() else ""
+        time, residuals = evidence.time[own], [one[own] for one in values]
+        rows.append(
+            Strip(f"run {run}{test}", time, tuple(zip((BEFORE, AFTER), residuals, strict=False)),
+                  -edge, edge, rms_text(residuals), limits=(0.0,),
+                  band=(-BAND * noise, BAND * noise), lifted=_lifted(time, evidence.loaded[own]),
+                  onsets=_onsets(diagnosis, run, name))
+        )  # fmt: skip
+    drawn = strips(
+        rows, residual_keys(rows), f"each row: ±{edge:.2g} {unit}", f"RMS ({unit})", TALL
+    )
+    return Picture(signal_text(name), drawn, _CAPTIONS.get(name.partition("_")[0], ""))
+
+
+def residual_keys(rows: Sequence[Strip]) -> list[Artist]:
+    """Legend of residuals run by run."""
+    keys: list[Artist] = [line_key(BEFORE, "nothing added")]
+    if any(len(row.lines) > 1 for row in rows):
+        keys.append(line_key(AFTER, "with what was found"))
+    keys.append(area_key(palette.SOLE, "noise (±2 σ)"))
+    if any(row.lifted for row in rows):
+        keys.append(area_key(palette.RULE, "one foot lifted"))
+    if any(row.onsets for row in rows):
+        keys.append(line_key(palette.Look(palette.WARN, 1.6, (2.0, 1.0)), "something begins"))
+    return keys
+
+
+def rms_text(residuals: Sequence[FloatArray]) -> str:
+    """RMS of residuals (T,) in the order given."""
+    known = [values[np.isfinite(values)] for values in residuals]
+    texts = [size(float(np.sqrt(np.mean(one**2))), "1") for one in known if len(one)]
+    return " → ".join(texts) or UNKNOWN
+
+
+def _edge(values: FloatArray, noise: float) -> float:
+    """What the rows show to each side: nearly all, and no less than the noise's band."""
+    known = np.abs(values[np.isfinite(values)])
+    return max(float(np.quantile(known, 0.995)) if len(known) else 0.0, 1.6 * BAND * noise, 1e-12)
+
+
+def _worst_runs(evidence: Evidence, values: FloatArray) -> list[int]:
+    """Numbers of the runs with known residuals (T,), at most MOST_RUNS, in their order."""
+    squares = {
+        int(run): float(np.nanmean(values[evidence.run == run] ** 2))
+        for run in np.unique(evidence.run)
+        if np.isfinite(values[evidence.run == run]).any()
+    }
+    return sorted(sorted(squares, key=lambda run: -squares[run])[:MOST_RUNS])
 
 
 def loud_signals(diagnosis: Diagnosis, evidence: Evidence) -> list[str]:
@@ -169,35 +228,6 @@ def quiet_signals(diagnosis: Diagnosis, evidence: Evidence) -> list[str]:
         if name not in ALWAYS and 0.0 < _loudness(evidence, name) <= LOUD
         and name not in {place.signal for place in diagnosis.where}
     ]  # fmt: skip
-
-
-def _rows(
-    diagnosis: Diagnosis,
-    evidence: Evidence,
-    name: str,
-    factor: float,
-) -> list[RunLine]:
-    """The runs in which the signal is known; at most so many, the worst ones."""
-    before = factor * signal(evidence, evidence.without, name)
-    after = (
-        np.empty(0)
-        if evidence.explained is None
-        else factor * signal(evidence, evidence.explained, name)
-    )
-    rows, worst = [], []
-    for run in np.unique(evidence.run):
-        own = evidence.run == run
-        if not np.isfinite(before[own]).any():
-            continue
-        test = " · test" if evidence.test[own].any() else ""
-        time = evidence.time[own]
-        rows.append(
-            RunLine(f"run {run}{test}", time, before[own], after[own] if len(after) else after,
-                    _lifted(time, evidence.loaded[own]), _onsets(diagnosis, int(run), name))
-        )  # fmt: skip
-        worst.append(float(np.nanmean(before[own] ** 2)))
-    chosen = sorted(np.argsort(worst)[::-1][:MOST_RUNS])
-    return [rows[index] for index in chosen]
 
 
 def _lifted(time: FloatArray, loaded: BoolArray) -> tuple[tuple[float, float], ...]:

@@ -16,7 +16,7 @@ from shoecal_core.report.diagnosis_figures import (
     share_picture,
     time_pictures,
 )
-from shoecal_core.report.diagnosis_place_figures import place_pictures
+from shoecal_core.report.diagnosis_places import place_pictures
 from shoecal_core.report.diagnosis_tables import (
     alike_table,
     blind_spots_table,

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from shoecal_core.planning.checking.body_track import BodyTrack, track
@@ -255,6 +256,29 @@ class PlannedMotion:
     def marks(self) -> tuple[TargetMark, ...]:
         """The targets as figures show them."""
         return marks_of(self.targets, self.settings.landmark_radius)
+
+    def placed(self, foot: int, sample: int, points: FloatArray) -> FloatArray:
+        """Points (k, 2) of a sole seen from above at a sample [m]."""
+        rotation, place = self.soles
+        return points @ rotation[sample, foot, :2, :2].T + place[sample, foot, :2]
+
+    @cached_property
+    def hulls(self) -> list[FloatArray]:
+        """Corners (h, 2) of the hull of both sensing polygons, once for each double support [m]."""
+        found: list[FloatArray] = []
+        for stand in self.stands:
+            if stand.feet != BOTH:
+                continue
+            corners = [
+                self.placed(side, stand.begin, foot.sensing_polygon)
+                for side, foot in enumerate(self.robot.feet)
+            ]
+            hull = shapely.MultiPoint(np.vstack(corners)).convex_hull
+            ring = shapely.get_coordinates(hull)
+            if not any(one.shape == ring.shape and np.allclose(one, ring, atol=1e-3)
+                       for one in found):  # fmt: skip
+                found.append(ring)
+        return found
 
     def _in_world(self, place: FloatArray, sample: int) -> FloatArray:
         """A place (2,) in the left sole's frame where it is when the feet next stand [m].

@@ -6,7 +6,7 @@ import pytest
 from core.report.pages import read_svg
 from core.robot import robots
 from core.shoe import shoes
-from shoecal_core.report.diagnosis_figures import AFTER, BEFORE, unit_of
+from shoecal_core.report.diagnosis_figures import residual_keys, rms_text, unit_of
 from shoecal_core.report.figures.feet import foot_shape
 from shoecal_core.report.figures.named_bars import NamedBar, named_bars, percent
 from shoecal_core.report.figures.residual_field import (
@@ -18,10 +18,9 @@ from shoecal_core.report.figures.residual_field import (
     field_under_feet,
     magnification,
 )
-from shoecal_core.report.figures.run_lines import RunLine, run_lines
-from shoecal_core.report.palette import BLUE
+from shoecal_core.report.figures.strips import Strip, strips
+from shoecal_core.report.palette import AFTER, BEFORE, BLUE
 
-LOOKS = (BEFORE, AFTER)
 NOTHING = Field(np.empty((0, 2)), np.empty((0, 2)), np.empty(0))
 
 
@@ -43,16 +42,17 @@ def test_shares_are_told() -> None:
 
 def test_lines_by_run() -> None:
     time = np.linspace(0.0, 10.0, 50)
+    before, after, unknown = np.full(50, 2.0), np.full(50, 0.5), np.full(50, np.nan)
     rows = [
-        RunLine("run 1", time, np.full(50, 2.0), np.full(50, 0.5), ((3.0, 4.0),), (6.0,)),
-        RunLine("run 2 · test", time, np.full(50, np.nan), np.full(50, np.nan), (), ()),
-    ]
-    svg = run_lines(rows, LOOKS, "mm", 0.1, "CoP forward")
+        Strip("run 1", time, ((BEFORE, before), (AFTER, after)), -3.0, 3.0,
+              rms_text([before, after]), band=(-0.2, 0.2), lifted=((3.0, 4.0),), onsets=(6.0,)),
+        Strip("run 2 · test", time, ((BEFORE, unknown),), -3.0, 3.0, rms_text([unknown])),
+    ]  # fmt: skip
+    svg = strips(rows, residual_keys(rows), "each row: ±3 mm", "RMS (mm)")
     assert "run 1 2.0 → 0.50; run 2 · test –" in alt(svg)
     assert ">6.0 s<" in svg
     assert "one foot lifted" in svg
-    alone = run_lines([RunLine("run 1", time, np.zeros(50), np.empty(0), (), ())], LOOKS, "N", 0.1,
-                      "GRF")  # fmt: skip
+    alone = strips(rows[1:], residual_keys(rows[1:]), "each row: ±3 N", "RMS (N)")
     assert "with what was found" not in alone
     assert "something begins" not in alone
 
