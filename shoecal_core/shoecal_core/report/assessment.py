@@ -11,19 +11,56 @@ from shoecal_core.estimation.assessment import Assessment
 from shoecal_core.estimation.expected import Spread
 from shoecal_core.planning.supports.identifiability import WeakDirection
 from shoecal_core.report.calibration_content import CalibrationReport
-from shoecal_core.report.error_source_names import cure, source_name
 from shoecal_core.report.figures.error_map import ErrorMap, common_levels, error_map
 from shoecal_core.report.figures.feet import foot_shape
 from shoecal_core.report.figures.named_bars import NamedBar, named_bars
 from shoecal_core.report.page import Group, KeyFigure, Picture, Section, Table
 from shoecal_core.report.palette import RED
 from shoecal_core.report.quantities import UNKNOWN, number, quantity, size, uncertain
-from shoecal_core.report.screening_parts import findings_table, left_out_spans, left_out_table
+from shoecal_core.report.screening_parts import left_out_group
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.shoe.shoe import FEET
 
+NAMES = {
+    "backlash": "play of the gears",
+    "cell_position": "places of the cells",
+    "gains_and_offsets": "gains and offsets left to the prior",
+    "joint_compliance": "compliance of the gears",
+    "joint_offset": "zeros of the joints",
+    "link_com": "centres of mass of the links",
+    "link_mass": "masses of the links",
+    "noise": "noise and model form error",
+    "placement": "feet that stand elsewhere in a run",
+    "plates": "plates that carry load past the cells",
+    "sideways_force": "sideways forces at the cells' height",
+    "soft_ground": "soles that tilt under load",
+    "support": "where the right foot stands",
+    "time_offset": "time offset of the joints",
+    "zero_offset": "zeros of single runs",
+}
+CURES = {
+    "cell_position": "measure where the cells are, or calibrate the shoe manually",
+    "plates": "calibrate the shoe manually, with known weights",
+    "joint_offset": "calibrate the robot's joints",
+    "link_com": "measure the links' balance points",
+    "link_mass": "weigh the links",
+    "joint_compliance": "measure how far the joints give under load",
+    "backlash": "measure the play of the joints",
+    "zero_offset": "lift each foot in every run",
+    "soft_ground": "stand on a stiff floor",
+}
 SHOWN_SOURCES = 8
 LISTED_SOURCES, LEAST_WIN = 6, 0.005
+
+
+def source_name(effect: str) -> str:
+    """Its name for a person."""
+    return NAMES.get(effect, effect.replace("_", " "))
+
+
+def cure(effect: str) -> str | None:
+    """What would make it smaller; None where nothing is known to."""
+    return CURES.get(effect)
 
 
 def carried(assessed: Assessment) -> bool:
@@ -118,14 +155,6 @@ def source_pictures(assessed: Assessment) -> tuple[Picture, ...]:
             )
         )
     return tuple(pictures)
-
-
-def left_out_picture(content: CalibrationReport) -> Picture | None:
-    """When samples were left out; None where every one counts."""
-    ends: dict[int, float] = {
-        run.run: max(float(one.stance.time[-1]) for one in run.stances) for run in content.runs
-    }
-    return left_out_spans(content.screening, ends)
 
 
 def expected_text(spread: Spread) -> tuple[str, str]:
@@ -286,22 +315,13 @@ def _fixed(assessed: Assessment) -> Group:
 
 
 def _left_out(content: CalibrationReport, assessed: Assessment) -> Group:
-    picture = left_out_picture(content)
-    counted = sum(content.screening.samples.values())
-    lost = sum(one.samples for one in content.screening.left_out)
-    if not counted:
-        text = "The recording was not screened."
-    elif lost:
-        text = f"{lost} of {counted} samples do not count ({100.0 * lost / counted:.1f} %)."
-    else:
-        text = f"Nothing: all {counted} samples count."
     late = time_offset_text(assessed, content.calibration.time_offset)
-    return Group(
-        title="What was left out before the fit",
-        text=f"{text} Time offset (joints after readings): {late}, 95\N{NO-BREAK SPACE}% interval; "
-        "corrected by the fit.",
-        pictures=() if picture is None else (picture,),
-        tables=_known(left_out_table(content.screening), findings_table(content.screening)),
+    return left_out_group(
+        content.screening,
+        {run.run: max(float(one.stance.time[-1]) for one in run.stances) for run in content.runs},
+        "What was left out before the fit",
+        f"Time offset (joints after readings): {late}, 95\N{NO-BREAK SPACE}% interval; corrected "
+        "by the fit.",
     )
 
 

@@ -28,7 +28,7 @@ from shoecal_core.report.page import (
 )
 from shoecal_core.report.palette import Look
 from shoecal_core.report.quantities import UNKNOWN, double_support_text, quantity, uncertain
-from shoecal_core.report.screening_parts import findings_table, left_out_spans, left_out_table
+from shoecal_core.report.screening_parts import left_out_group
 from shoecal_core.report.svg import line_key
 from shoecal_core.report.zeros_section import zeros_section
 from shoecal_core.robot.robot import GRAVITY, Robot
@@ -222,23 +222,8 @@ def _runs(content: CheckReport) -> Section:
 
 
 def _left_out(content: CheckReport) -> Section:
-    screening = content.screening
     ends = {number: float(run.readings.time[-1]) for number, run in content.runs.items()}
-    picture = left_out_spans(screening, ends)
-    lost = sum(one.samples for one in screening.left_out)
-    counted = sum(screening.samples.values())
-    text = (
-        f"{lost} of {counted} samples do not count ({_share(lost, counted)}); a calibration leaves "
-        "them out by itself."
-        if lost
-        else f"Nothing: all {counted} samples count."
-    )
-    tables = (left_out_table(screening), findings_table(screening))
-    group = Group(
-        pictures=() if picture is None else (picture,),
-        tables=tuple(table for table in tables if table is not None),
-    )
-    return Section("What a calibration would leave out", (group,), text)
+    return Section("What a calibration would leave out", (left_out_group(content.screening, ends),))
 
 
 def _raw(content: CheckReport) -> tuple[Section, ...]:

@@ -6,10 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.report.figures.body_points import BodyPoints, body_points
-from shoecal_core.report.figures.feet_from_above import Ground, from_above
 from shoecal_core.report.figures.margins import margins
 from shoecal_core.report.figures.motion import SIDES, Skeleton, leg_keys, skeleton, snapshots
-from shoecal_core.report.figures.stick_figure import from_the_side
+from shoecal_core.report.figures.player_views import Ground, from_above, from_the_side
 from shoecal_core.report.figures.strips import Strip, strips
 from shoecal_core.report.figures.support_plan import support_plan
 from shoecal_core.report.page import Picture, Player

@@ -5,10 +5,39 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from shoecal_core.report.figures.left_out import RunSpan, left_out_in_time
-from shoecal_core.report.page import Picture, Table
+from shoecal_core.report.page import Group, Picture, Table
 from shoecal_core.report.quantities import UNKNOWN
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.result import Screening
+
+
+def left_out_group(
+    screening: Screening, ends: Mapping[int, float], title: str = "", text: str = ""
+) -> Group:
+    """What does not count, when, and what else was found.
+
+    Args:
+        screening: of a recording.
+        ends: when each run ends, since its start [s].
+        title: of the group.
+        text: what else there is to say.
+    """
+    counted = sum(screening.samples.values())
+    lost = sum(one.samples for one in screening.left_out)
+    if not counted:
+        told = "The recording was not screened."
+    elif lost:
+        told = f"{lost} of {counted} samples do not count ({100.0 * lost / counted:.1f} %)."
+    else:
+        told = f"Nothing: all {counted} samples count."
+    picture = left_out_spans(screening, ends)
+    tables = (left_out_table(screening), findings_table(screening))
+    return Group(
+        title,
+        f"{told} {text}".strip(),
+        pictures=() if picture is None else (picture,),
+        tables=tuple(table for table in tables if table is not None),
+    )
 
 
 def left_out_spans(screening: Screening, ends: Mapping[int, float]) -> Picture | None:

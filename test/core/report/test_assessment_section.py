@@ -14,14 +14,15 @@ from shoecal_core.recording.session import Session
 from shoecal_core.report.assessment import (
     assessment_section,
     carried,
+    cure,
     expected_keys,
     possible,
     rms,
+    source_name,
     source_pictures,
 )
 from shoecal_core.report.calibration_content import CalibrationReport
 from shoecal_core.report.calibration_tables import channels_table
-from shoecal_core.report.error_source_names import cure, source_name
 from shoecal_core.report.page import Group, Section
 from shoecal_core.report.quantities import size
 from shoecal_core.report.session_report import session_content
