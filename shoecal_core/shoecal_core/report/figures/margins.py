@@ -10,6 +10,7 @@ from shoecal_core.planning.checking.findings import ConstraintMargin
 from shoecal_core.report.figures.named_bars import NamedBar, named_bars
 from shoecal_core.report.palette import FAIL, TEAL
 from shoecal_core.report.quantities import SPACE, number
+from shoecal_core.report.svg import readable
 
 SCALES = {
     "m": ("mm", 1e3),
@@ -68,7 +69,7 @@ def short_name(finding: ConstraintMargin) -> str:
         "way while holding still": "moves while holding still",
     }
     where = f" · {finding.where}" if finding.where else ""
-    return names.get(finding.constraint, finding.constraint) + where
+    return readable(names.get(finding.constraint, finding.constraint) + where, 46)
 
 
 def _decimals(limit: float) -> int:

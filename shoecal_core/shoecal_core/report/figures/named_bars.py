@@ -60,7 +60,9 @@ def named_bars(bars: Sequence[NamedBar], what: str, limit: str = "") -> str:
             axes.barh(middle, min(max(bar.length, 0.0), BEYOND), BAR, color=bar.colour.light,
                       edgecolor="none")  # fmt: skip
             if limit:
-                axes.vlines(1.0, middle - BAR, middle + BAR, color=INK.light, linewidth=1.4)
+                axes.vlines(
+                    1.0, middle - 0.6 * BAR, middle + 0.6 * BAR, color=INK.light, linewidth=1.4
+                )
             over = top + middle - 7.0
             page.write(2.0, over, readable(bar.name, 60), fontsize=SMALL)
             page.write(WIDTH - 4.0, over, bar.number, ha="right", fontsize=SMALL)
