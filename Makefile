@@ -1,7 +1,7 @@
 # shoecal without an installation of ROS: everything lives in .venv, build/ and install/.
 
 .DEFAULT_GOAL := help
-.PHONY: firmware stand-ins robots descriptions clean-sessions help setup demo test test-floor lint bench planner-speed planned-motions live-path demo-table paper trust accuracy repeats caught-faults faults blind own-steps motion-menu pictures figures reference docs wheel lock clean
+.PHONY: firmware stand-ins robots descriptions clean-sessions help setup demo test test-floor lint bench planner-speed planned-motions live-path demo-table paper trust accuracy repeats caught-faults faults blind own-steps motion-menu figures reference docs wheel lock clean
 
 # Nothing that is sourced in the calling shell reaches what runs from .venv.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONHOME PYTHONPATH
@@ -100,9 +100,6 @@ reference: setup  ## docs/reference, from the code (ARGS=--check)
 
 docs: .venv-docs/.complete  ## the documentation as a site, into out/site
 	.venv-docs/bin/python -m sphinx -W --keep-going -q -b html docs out/site
-
-pictures: setup  ## the pictures in docs/images
-	$(BIN)/python scripts/pictures.py $(ARGS)
 
 wheel: setup  ## a wheel of shoecal_core, into out/wheel
 	$(BIN)/python -m pip --disable-pip-version-check wheel --quiet --no-deps --no-build-isolation \

@@ -12,9 +12,9 @@ from paper_targets import ALPHA
 from shoecal_core.estimation.run_errors import ComparedRun, errors_by_set
 from shoecal_core.report import palette
 from shoecal_core.report.figures.bars import Bar, BarMark, mae_bars
+from shoecal_core.report.figures.feet import CopPath, FootShape, cop_plane
 from shoecal_core.report.figures.loads import KnownLoads, cop_under_loads, forces_under_loads
 from shoecal_core.report.figures.motion import skeleton, snapshots
-from shoecal_core.report.figures.plane import CopPath, FootShape, cop_plane
 from shoecal_core.report.figures.series import Line, grf_in_time
 from shoecal_core.report.palette import Look
 from shoecal_core.report.quantities import mean_error

@@ -21,11 +21,10 @@ from matplotlib.patches import Arc
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.files import atomic_write
 from shoecal_core.recording.session import Session
-from shoecal_core.report.assessment_figures import error_pictures
+from shoecal_core.report.assessment import error_pictures
 from shoecal_core.report.calibration_content import CalibrationReport
 from shoecal_core.report.calibration_figures import run_pictures
-from shoecal_core.report.figures.plane import draw_feet
-from shoecal_core.report.foot_shapes import foot_shape
+from shoecal_core.report.figures.feet import draw_feet, foot_shape
 from shoecal_core.report.palette import BLUE, INK, RED
 from shoecal_core.report.session_report import session_content
 from shoecal_core.report.sheet import SheetFigure, sheet, write_sheet
@@ -84,7 +83,7 @@ def calibrated(folder: Path) -> CalibrationReport:
     session = Session.open(folder)
     settings, tolerances = CalibrationSettings(), Tolerances()
     outcome = calibrate_session(session, TRAIN, TEST, settings, tolerances)
-    return session_content(session, outcome, settings=settings)
+    return session_content(session, outcome)
 
 
 def write_run(path: Path, content: CalibrationReport) -> None:

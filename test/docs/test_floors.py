@@ -17,7 +17,6 @@ UBUNTU = {
     "markupsafe": "2.1.5",
     "matplotlib": "3.6.3",
     "numpy": "1.26.4",
-    "pillow": "10.2.0",
     "pyserial": "3.5",
     "pyyaml": "6.0.1",
     "rich": "13.7.1",

@@ -11,7 +11,6 @@ from docs.pages import ROOT, anchors, links, pages
 
 MADE = {
     "figures": ("conventions.svg", "demo-expected.svg", "demo-run.svg", "unload-left.svg"),
-    "pictures": ("motion.webp", "robot.png"),
     "paper": (
         "paper-assumptions.svg",
         "paper-errors.svg",
@@ -21,7 +20,7 @@ MADE = {
     ),
     "blind": ("blind-detection.svg",),
 }
-"""Pictures of README and docs, by what `make` calls the command that draws them."""
+"""Figures of README and docs, by what `make` calls the command that draws them."""
 
 
 @pytest.mark.parametrize("page", pages(), ids=lambda page: str(page.relative_to(ROOT)))
@@ -52,11 +51,11 @@ def test_no_page_names_a_place_of_this_machine() -> None:
         assert not any(place in text for place in ("/work/", "/root/", str(Path.home()))), page
 
 
-def test_every_picture_is_shown_and_made_by_a_command() -> None:
+def test_every_picture_is_shown_and_every_figure_made_by_a_command() -> None:
     shown = {(page.parent / target).resolve() for page in pages() for _, target in links(page)}
-    there = {*(ROOT / "docs/figures").iterdir(), *(ROOT / "docs/images").iterdir()}
-    assert not there - shown
-    assert {file.name for file in there} == {name for names in MADE.values() for name in names}
+    figures = set((ROOT / "docs/figures").iterdir())
+    assert not {*figures, *(ROOT / "docs/images").iterdir()} - shown
+    assert {file.name for file in figures} == {name for names in MADE.values() for name in names}
     makefile = (ROOT / "Makefile").read_text()
     for target in MADE:
         assert f"\n{target}: " in makefile, target

@@ -22,7 +22,7 @@ from docs.pages import ROOT
 PACKAGES = ("shoecal_core", "shoecal_msgs", "shoecal_ros")
 ROSDEP_KEYS = {
     "casadi-pip", "mcap-ros2-support", "python3-hypothesis", "python3-jinja2",
-    "python3-matplotlib", "python3-mujoco-pip", "python3-numpy", "python3-pil", "python3-pytest",
+    "python3-matplotlib", "python3-mujoco-pip", "python3-numpy", "python3-pytest",
     "python3-pytest-timeout", "python3-rich", "python3-rosbags-pip", "python3-scipy",
     "python3-serial", "python3-shapely", "python3-yaml",
 }  # fmt: skip
@@ -47,7 +47,6 @@ KEY_OF_IMPORT = {
     "mcap_ros2": ("mcap-ros2-support", "mcap-ros2-support"),
     "mujoco": ("mujoco", "python3-mujoco-pip"),
     "numpy": ("numpy", "python3-numpy"),
-    "PIL": ("pillow", "python3-pil"),
     "pinocchio": ("pin", "pinocchio"),
     "rich": ("rich", "python3-rich"),
     "rosbags": ("rosbags", "python3-rosbags-pip"),

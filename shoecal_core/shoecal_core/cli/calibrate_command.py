@@ -90,7 +90,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         # Matplotlib takes a second to load, which most calls need not wait for.
         from shoecal_core.report.session_report import write_session_report  # noqa: PLC0415
 
-        write_session_report(args.report, session, outcome, settings=settings)
+        write_session_report(args.report, session, outcome)
     figures = to_json(outcome)
     require_usable(calibration, figures, console)
     console.print(f"{args.out}")

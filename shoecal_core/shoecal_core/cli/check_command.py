@@ -65,8 +65,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
             console.print(verdict_line(verdict, line), soft_wrap=True)
     if args.report is not None:
         # Matplotlib takes a second to load, which most calls need not wait for.
-        from shoecal_core.report.check_content import CheckReport  # noqa: PLC0415
-        from shoecal_core.report.check_report import check_report  # noqa: PLC0415
+        from shoecal_core.report.check_report import CheckReport, check_report  # noqa: PLC0415
 
         content = CheckReport(session, data.robot, tuple(entries), data.runs, data.aligned,
                               screening, checked.problems, checked.warnings, checked.zeros,

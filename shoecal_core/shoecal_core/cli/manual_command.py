@@ -46,8 +46,7 @@ from shoecal_core.manual.loads import CELLS, SHOE, Load, planned_loads
 from shoecal_core.manual.measurements import Measurements
 from shoecal_core.manual.measurements_file import load_measurements, save_measurements
 from shoecal_core.manual.settings import ManualSettings, load_manual_settings
-from shoecal_core.report.manual_content import ManualReport
-from shoecal_core.report.manual_report import manual_report
+from shoecal_core.report.manual_report import ManualReport, manual_report
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.shoe.shoe import FEET, Shoe, load_shoe

@@ -69,7 +69,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
             known = _known(robot, shoe, plan, settings, console)
             forecast = {"all": known.to_json()}
             progress("drawing what was planned", 1.0)
-            write_plan(args.out, plan.motions, plan.unplanned, shoe, known)
+            write_plan(args.out, plan.motions, plan.unplanned, known)
     if plan.motions:
         console.print(f"{args.out / PAGE}: pictures and animations of all motions")
     figures: dict[str, object] = {

@@ -10,15 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.errors import ShapeError, ShoecalError
-from shoecal_core.estimation.assessment import NORMAL_95
+from shoecal_core.estimation.assessment import NORMAL_95, Assessment
 from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.estimation.comparison import StanceComparison, stage_errors
 from shoecal_core.estimation.fit import SelfCalibration
 from shoecal_core.estimation.series import Errors, Series, errors
-from shoecal_core.report.assessment_content import AssessmentContent
 from shoecal_core.report.figures.series import joined
 from shoecal_core.robot.robot import Robot
 from shoecal_core.samples.zeros import ZeroFigures
+from shoecal_core.screening.result import Screening
 from shoecal_core.shoe.shoe import Shoe
 
 FloatArray = NDArray[np.float64]
@@ -79,6 +79,7 @@ class CalibrationReport:
         calibration: with its verdict.
         stages: how it was found; None where it was not found from these runs.
         assessed: what the data identify and what not; None likewise.
+        screening: what was left out before the fit.
         runs: training runs first.
         timing: seconds by stage, for example `plan`, `record`, `solve`, `total`.
         provenance: lines that say where this is from; what is simulated and what is real.
@@ -90,7 +91,8 @@ class CalibrationReport:
     calibration: Calibration
     stages: SelfCalibration | None
     runs: tuple[RunReport, ...]
-    assessed: AssessmentContent | None = None
+    assessed: Assessment | None = None
+    screening: Screening = field(default_factory=Screening)
     timing: Mapping[str, float] = field(default_factory=dict)
     provenance: tuple[str, ...] = ()
     zeros: tuple[ZeroFigures, ...] = ()
@@ -120,7 +122,7 @@ class CalibrationReport:
         covariance = self.calibration.covariance
         width: FloatArray = np.full(2 * len(self.shoe.names), np.nan)
         if self.assessed is not None:
-            width = self.assessed.assessment.interval()[: len(width)]
+            width = self.assessed.interval()[: len(width)]
         elif covariance is not None:
             width = NORMAL_95 * np.sqrt(np.diag(covariance))
         return width

@@ -9,14 +9,12 @@ from shoecal_core.estimation.series import Series
 from shoecal_core.report import palette
 from shoecal_core.report.calibration_content import CalibrationReport, RunReport
 from shoecal_core.report.figures.bars import Bar, mae_bars
-from shoecal_core.report.figures.intervals import IntervalColumn, intervals
+from shoecal_core.report.figures.feet import CopPath, cop_plane, cop_under_feet, foot_shape
 from shoecal_core.report.figures.motion import skeleton, snapshots
-from shoecal_core.report.figures.plane import CopPath, cop_plane, cop_under_feet
 from shoecal_core.report.figures.series import Line, cop_and_grf, errors_in_time
-from shoecal_core.report.foot_shapes import foot_shape
 from shoecal_core.report.page import Picture
 from shoecal_core.report.palette import Look
-from shoecal_core.report.quantities import channel_units, mean_error
+from shoecal_core.report.quantities import mean_error
 from shoecal_core.shoe.shoe import FEET
 
 FloatArray = NDArray[np.float64]
@@ -54,57 +52,12 @@ def accuracy_pictures(content: CalibrationReport) -> tuple[Picture, ...]:
             found = run.errors(name)
             by_run.append(Bar(run_label(run, content), look, label, run.test, found.grf, found.cop))
     pictures.append(Picture(title, mae_bars(by_run), against))
-    if content.has_truth:
-        bars = [
-            Bar(f"{foot} foot", look, label, test, found.foot_grf[index], found.foot_cop[index])
-            for index, foot in enumerate(FEET)
-            for label, look, test, found in stages
-        ]
-        pictures.append(
-            Picture(
-                "Each foot by itself", mae_bars(bars), "The feet's errors can cancel in the sum."
-            )
-        )
     return tuple(pictures)
 
 
 def run_label(run: RunReport, content: CalibrationReport) -> str:
     """Short where many runs are shown side by side."""
     return f"run {run.run}" if len(content.runs) <= 6 else str(run.run)
-
-
-def channel_pictures(content: CalibrationReport) -> tuple[Picture, ...]:
-    """Gains and offsets by kind of channel."""
-    shoe, calibration = content.shoe, content.calibration
-    count = len(shoe.names)
-    half = content.half_widths
-    parameters = calibration.parameters
-    unknown = np.full(count, np.nan)
-    start_gain, start_offset = unknown, unknown
-    if content.stages is not None:
-        start_gain = content.stages.guess.parameters.gain
-        start_offset = content.stages.guess.parameters.offset
-    pictures = []
-    for torque, kind in ((False, "force"), (True, "torque")):
-        unit, gain_unit = channel_units(shoe, torque=torque)
-        chosen = np.flatnonzero(shoe.torque == torque)
-        if not len(chosen):
-            continue
-        columns = [
-            IntervalColumn(f"|gain| ({gain_unit})", np.abs(parameters.gain[chosen]),
-                   half[:count][chosen], np.abs(start_gain[chosen])),
-            IntervalColumn(f"offset ({unit})", parameters.offset[chosen],
-                   half[count:][chosen], start_offset[chosen]),
-        ]  # fmt: skip
-        names = [
-            shoe.names[index] + (" (−)" if parameters.gain[index] < 0.0 else "") for index in chosen
-        ]
-        inverted = bool((parameters.gain[chosen] < 0.0).any())
-        caption = "(−): pressing it lowers its reading." if inverted else ""
-        pictures.append(
-            Picture(f"Gains and offsets, {kind} channels", intervals(names, columns), caption)
-        )
-    return tuple(pictures)
 
 
 def run_pictures(content: CalibrationReport, run: RunReport) -> tuple[Picture, ...]:

@@ -7,15 +7,16 @@ from pathlib import Path
 
 from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.estimation.series import Errors
-from shoecal_core.report.assessment_section import (
+from shoecal_core.report.assessment import (
     assessment_section,
+    carried,
     expected_keys,
+    possible,
     time_offset_text,
 )
 from shoecal_core.report.calibration_content import CalibrationReport
 from shoecal_core.report.calibration_figures import (
     accuracy_pictures,
-    channel_pictures,
     foot_picture,
     run_pictures,
     set_name,
@@ -38,11 +39,8 @@ from shoecal_core.report.page import (
     PageVerdict,
     Reason,
     Section,
-    StillStrip,
 )
 from shoecal_core.report.quantities import mean_error, uncertain
-from shoecal_core.report.run_strip import run_strip
-from shoecal_core.report.scene.offscreen import tried
 from shoecal_core.report.zeros_section import zeros_section
 from shoecal_core.screening.verdict import split_reason
 from shoecal_core.shoe.shoe import FEET
@@ -63,23 +61,18 @@ def calibration_report(path: Path, content: CalibrationReport) -> None:
     Raises:
         FileError: when it cannot be written.
     """
-    write_page(path, calibration_page(content, tried(lambda: run_strip(content))))
+    write_page(path, calibration_page(content))
 
 
-def calibration_page(content: CalibrationReport, seen: StillStrip | str | None = None) -> Page:
-    """The report, ready to be rendered; the same content makes the same page.
-
-    Args:
-        content: what it shows.
-        seen: the robot in motion, or why it cannot be seen.
-    """
+def calibration_page(content: CalibrationReport) -> Page:
+    """The report, ready to be rendered; the same content makes the same page."""
     return Page(
         title=f"Calibration of {content.shoe.name} on {content.robot.name}",
         subtitle=subtitle(content),
         verdict=verdict_of(content.calibration),
         key_figures=_key_figures(content),
         sections=(_accuracy(content), *_assessment(content), _channels(content),
-                  *zeros_section(content.zeros), _runs(content, seen), _feet(content),
+                  *zeros_section(content.zeros), _runs(content), _feet(content),
                   _details(content)),
         provenance=content.provenance,
     )  # fmt: skip
@@ -129,9 +122,9 @@ def _key_figures(content: CalibrationReport) -> tuple[KeyFigure, ...]:
         late = time_offset_text(assessed, content.calibration.time_offset)
         expected = expected_keys(assessed)
         # What to plan with comes first: against the model nearly every fit looks good.
-        keys = [*expected, *keys] if assessed.carried else [*keys, *expected]
+        keys = [*expected, *keys] if carried(assessed) else [*keys, *expected]
         keys += [
-            KeyFigure("identified", f"{assessed.assessment.told.rank} of {assessed.possible}",
+            KeyFigure("identified", f"{assessed.told.rank} of {possible(assessed)}",
                       "directions of gains and offsets"),
             KeyFigure("time offset", late, "joints after readings; 95 % interval"),
         ]  # fmt: skip
@@ -173,13 +166,11 @@ def _assessment(content: CalibrationReport) -> tuple[Section, ...]:
 
 
 def _channels(content: CalibrationReport) -> Section:
-    group = Group(pictures=channel_pictures(content), tables=(channels_table(content),))
+    group = Group(tables=(channels_table(content),))
     return Section("Channels", (group,))
 
 
-def _runs(content: CalibrationReport, seen: StillStrip | str | None) -> Section:
-    text = seen if isinstance(seen, str) else ""
-    first = (Group(strip=seen),) if isinstance(seen, StillStrip) else ()
+def _runs(content: CalibrationReport) -> Section:
     groups = tuple(
         Group(
             title=f"Run {run.run} · {set_name(run)}",
@@ -188,7 +179,7 @@ def _runs(content: CalibrationReport, seen: StillStrip | str | None) -> Section:
         )
         for run in content.runs
     )
-    return Section("Runs", (*first, *groups), text)
+    return Section("Runs", groups)
 
 
 def _support_line(double_support: bool, text: str) -> str:

@@ -91,6 +91,9 @@ def channels_table(content: CalibrationReport) -> Table:
             uncertain(calibration.parameters.gain[index], half[index], gain_unit),
             uncertain(calibration.parameters.offset[index], half[count + index], unit),
         ]
+        if content.assessed is not None:
+            low, high = content.assessed.load_range[:, index]
+            row.append(f"{number(low, 1)} to {quantity(high, unit, 1)}")
         if guess is not None:
             row += [
                 size(guess.gain[index], gain_unit),
@@ -98,6 +101,8 @@ def channels_table(content: CalibrationReport) -> Table:
             ]
         rows.append(tuple(row))
     header = ["channel", "gain", "offset"]
+    if content.assessed is not None:
+        header.append("loads seen")
     if guess is not None:
         header += ["guessed gain", "guessed offset"]
     note = "Output = gain · reading + offset; ± is half of the 95 % interval."

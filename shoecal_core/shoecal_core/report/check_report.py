@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
+
+import numpy as np
 
 from shoecal_core.estimation.weight import Weighed
 from shoecal_core.recording.info import RunInfo
-from shoecal_core.recording.session import RunEntry
-from shoecal_core.report.assessment_figures import left_out_spans
-from shoecal_core.report.assessment_tables import findings_table, left_out_table
-from shoecal_core.report.check_content import CheckReport
-from shoecal_core.report.check_figures import raw_picture, recorded_strip
+from shoecal_core.recording.run import Run
+from shoecal_core.recording.session import RunEntry, Session
+from shoecal_core.report import palette
+from shoecal_core.report.figures.strips import Strip, strips
 from shoecal_core.report.html import write_page
 from shoecal_core.report.origin import origin, robot_text, shoe_text
 from shoecal_core.report.page import (
@@ -18,21 +21,110 @@ from shoecal_core.report.page import (
     KeyFigure,
     Page,
     PageVerdict,
+    Picture,
     Reason,
     Section,
-    StillStrip,
     Table,
 )
+from shoecal_core.report.palette import Look
 from shoecal_core.report.quantities import UNKNOWN, double_support_text, quantity, uncertain
-from shoecal_core.report.scene.offscreen import tried
+from shoecal_core.report.screening_parts import left_out_group
+from shoecal_core.report.svg import line_key
 from shoecal_core.report.zeros_section import zeros_section
-from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.robot.robot import GRAVITY, Robot
+from shoecal_core.samples.aligned import Aligned
+from shoecal_core.samples.zeros import ZeroFigures
+from shoecal_core.screening.result import Screening
+from shoecal_core.shoe.shoe import FEET
 
+FEET_LOOKS = (Look(palette.BLUE, 1.1), Look(palette.RED, 1.1))
+"""Left, right."""
 MEANING = {
     "PASS": "This session is fit for a calibration.",
     "WARN": "This session is fit for a calibration: read the warnings first.",
     "FAIL": "This session cannot be calibrated from as it is.",
 }
+
+
+@dataclass(frozen=True)
+class CheckReport:
+    """A session as `shoecal check` finds it.
+
+    Attributes:
+        session: the folder.
+        robot: in its shoes.
+        entries: of the runs that can be read.
+        runs: by number.
+        aligned: of them, where joint angles and readings go together.
+        screening: what was found in them.
+        problems: what is in the way of a calibration, a line each.
+        warnings: what is not, but should be looked at.
+        zeros: what feet read in the air.
+        weighed: the weight by data sheets; None where it cannot be known.
+    """
+
+    session: Session
+    robot: Robot
+    entries: tuple[RunEntry, ...]
+    runs: Mapping[int, Run]
+    aligned: Mapping[int, Aligned]
+    screening: Screening
+    problems: tuple[str, ...]
+    warnings: tuple[str, ...]
+    zeros: tuple[ZeroFigures, ...] = ()
+    weighed: Weighed | None = None
+
+    @property
+    def verdict(self) -> str:
+        """PASS, WARN or FAIL."""
+        return "FAIL" if self.problems else "WARN" if self.warnings else "PASS"
+
+
+def raw_picture(content: CheckReport, entry: RunEntry) -> Picture:
+    """Each channel of one run against time, over its own range in the whole session."""
+    shoe, readings = content.session.shoe, content.runs[entry.run].readings
+    faulty = {
+        name for one in content.screening.left_out if one.run == entry.run for name in one.channels
+    }
+    rows = []
+    for index, channel in enumerate(shoe.channels):
+        low, high = _range(content, index)
+        values = readings.value[:, index]
+        known = np.isfinite(values)
+        moved = (
+            np.where(known, np.abs(values - np.median(values[known])), -1.0)
+            if known.any()
+            else None
+        )
+        spread = float(np.ptp(values[known])) if known.any() else float("nan")
+        rows.append(
+            Strip(
+                label=channel.name,
+                time=readings.time,
+                lines=((FEET_LOOKS[channel.foot], values),),
+                low=low,
+                high=high,
+                limits=tuple(end for end in (channel.lowest, channel.highest) if low < end < high),
+                number=quantity(spread, shoe.unit, 2),
+                worst=0 if moved is None else int(np.argmax(moved)),
+                kept=bool(known.any()) and channel.name not in faulty,
+            )
+        )
+    keys = [line_key(look, side) for look, side in zip(FEET_LOOKS, FEET, strict=True)]
+    svg = strips(rows, keys, "each strip: that channel’s range", "range here")
+    caption = f"Faulty: {', '.join(sorted(faulty))}." if faulty else ""
+    return Picture(f"Run {entry.run} ({entry.info.motion})", svg, caption)
+
+
+def _range(content: CheckReport, index: int) -> tuple[float, float]:
+    """Lowest and highest reading of a channel in all runs, a little widened."""
+    every = np.concatenate([run.readings.value[:, index] for run in content.runs.values()])
+    known = every[np.isfinite(every)]
+    if not len(known):
+        return -1.0, 1.0
+    low, high = float(known.min()), float(known.max())
+    margin = max(0.05 * (high - low), 1e-6 * max(abs(low), abs(high)), 1e-9)
+    return low - margin, high + margin
 
 
 def check_report(path: Path, content: CheckReport) -> None:
@@ -41,16 +133,11 @@ def check_report(path: Path, content: CheckReport) -> None:
     Raises:
         FileError: when it cannot be written.
     """
-    write_page(path, check_page(content, tried(lambda: recorded_strip(content))))
+    write_page(path, check_page(content))
 
 
-def check_page(content: CheckReport, seen: StillStrip | str | None = None) -> Page:
-    """The report, ready to be rendered; the same content makes the same page.
-
-    Args:
-        content: what it shows.
-        seen: the robot in motion, or why it cannot be seen.
-    """
+def check_page(content: CheckReport) -> Page:
+    """The report, ready to be rendered; the same content makes the same page."""
     session = content.session
     runs = [entry.run for entry in content.entries]
     count = len(runs)
@@ -61,7 +148,7 @@ def check_page(content: CheckReport, seen: StillStrip | str | None = None) -> Pa
         verdict=_verdict(content),
         key_figures=_key_figures(content),
         sections=(
-            _runs(content, seen),
+            _runs(content),
             _left_out(content),
             *zeros_section(content.zeros),
             *_raw(content),
@@ -114,7 +201,7 @@ def _supports(content: CheckReport) -> set[tuple[float, float, float]]:
     return {(round(one.dx, 3), round(one.dy, 3), round(one.dtheta, 2)) for one in places}
 
 
-def _runs(content: CheckReport, seen: StillStrip | str | None) -> Section:
+def _runs(content: CheckReport) -> Section:
     rows = tuple(
         (
             f"run {entry.run}",
@@ -130,29 +217,13 @@ def _runs(content: CheckReport, seen: StillStrip | str | None) -> Section:
     )
     header = ("", "set", "motion", "right foot from the left", "duration", "joint angles",
               "readings", "notes")  # fmt: skip
-    strip = seen if isinstance(seen, StillStrip) else None
-    group = Group(strip=strip, tables=(Table("Runs", header, rows),) if rows else ())
-    return Section("What was recorded", (group,), seen if isinstance(seen, str) else "")
+    group = Group(tables=(Table("Runs", header, rows),) if rows else ())
+    return Section("What was recorded", (group,))
 
 
 def _left_out(content: CheckReport) -> Section:
-    screening = content.screening
     ends = {number: float(run.readings.time[-1]) for number, run in content.runs.items()}
-    picture = left_out_spans(screening, ends)
-    lost = sum(one.samples for one in screening.left_out)
-    counted = sum(screening.samples.values())
-    text = (
-        f"{lost} of {counted} samples do not count ({_share(lost, counted)}); a calibration leaves "
-        "them out by itself."
-        if lost
-        else f"Nothing: all {counted} samples count."
-    )
-    tables = (left_out_table(screening), findings_table(screening))
-    group = Group(
-        pictures=() if picture is None else (picture,),
-        tables=tuple(table for table in tables if table is not None),
-    )
-    return Section("What a calibration would leave out", (group,), text)
+    return Section("What a calibration would leave out", (left_out_group(content.screening, ends),))
 
 
 def _raw(content: CheckReport) -> tuple[Section, ...]:

@@ -19,7 +19,7 @@ from shoecal_core.report.diagnosis_words import (
     sizes_text,
     where_text,
 )
-from shoecal_core.report.figures.shares import percent
+from shoecal_core.report.figures.named_bars import percent
 from shoecal_core.report.page import KeyFigure, PageVerdict
 from shoecal_core.report.quantities import PLUS_MINUS, SPACE, number
 

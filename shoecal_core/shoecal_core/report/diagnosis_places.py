@@ -1,65 +1,35 @@
-"""Where a gap lies on the floor: residuals brought to the soles, and what lever points say."""
+"""Where on the feet a gap lies: residuals brought to the soles, and their figures."""
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.diagnosis.result import Evidence, Fitted
+from shoecal_core.diagnosis.result import Diagnosis, Evidence, Fitted
+from shoecal_core.report import palette
+from shoecal_core.report.figures import residual_field
+from shoecal_core.report.figures.feet import foot_shape
+from shoecal_core.report.figures.named_bars import percent
+from shoecal_core.report.figures.residual_field import (
+    Field,
+    SoleOutline,
+    field_under_feet,
+    magnification,
+)
+from shoecal_core.report.page import Picture
+from shoecal_core.report.palette import AFTER, BEFORE
 from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.robot import Robot
+from shoecal_core.shoe.shoe import Shoe
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
-
 LEAST_EXCESS = 0.2
 """Excess over noise, as a part of it, from which it is worth asking who makes it."""
 CELL_M = 0.008
 """Side of the squares over which arrows are averaged [m]."""
 LEAST_SAMPLES = 3
 """Fewer in a square are noise."""
-CLEAR = 3.0
-"""A lever point needs a force residual of so many standard deviations of its noise."""
-BLUR_M = 0.004
-"""What a lever point is spread by at least [m]."""
-RASTER = 31
-"""Points of a density along each axis."""
-
-
-@dataclass(frozen=True)
-class Field:
-    """A residual over places, k squares of a grid.
-
-    Attributes:
-        places: (k, 2) middle of the samples in each square [m].
-        arrows: (k, 2) mean CoP residual there [m].
-        force: (k,) mean GRF residual there [N].
-    """
-
-    places: FloatArray
-    arrows: FloatArray
-    force: FloatArray
-
-
-@dataclass(frozen=True)
-class Levers:
-    """Where one wrong force would have to act to explain force and CoP residual of a sample.
-
-    Attributes:
-        points: (T, 2) left sole's frame [m]; NaN where the force residual is lost in noise.
-        spread: (T,) standard deviation of each [m].
-        weight: (T,) how much each counts.
-    """
-
-    points: FloatArray
-    spread: FloatArray
-    weight: FloatArray
-
-    @property
-    def clear(self) -> BoolArray:
-        """(T,) mask of samples that show a place."""
-        return np.asarray(np.isfinite(self.points).all(axis=1))
 
 
 def signal(evidence: Evidence, fitted: Fitted, name: str) -> FloatArray:
@@ -164,22 +134,6 @@ def field_under(evidence: Evidence, fitted: Fitted, rows: BoolArray, foot: int) 
     )
 
 
-def lever_points(evidence: Evidence, fitted: Fitted, foot: int) -> Levers:
-    """Places c + G e_C / e_F in one foot's sole frame, c the CoP and G the whole force."""
-    grf, noise = signal(evidence, fitted, "grf"), noise_of(evidence, "grf")
-    off = in_sole(evidence, cop_residual(evidence, fitted), foot, vectors=True)
-    where = in_sole(evidence, evidence.cop, foot, vectors=False)
-    whole = np.nansum(evidence.foot_force, axis=1)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        arm = (whole / grf)[:, None] * off
-        points = where + arm
-        across = cop_noise(evidence)
-        spread = np.hypot(across * whole, np.linalg.norm(arm, axis=1) * noise) / np.abs(grf)
-    clear = (np.abs(grf) > CLEAR * noise) & np.isfinite(points).all(axis=1)
-    points[~clear] = np.nan
-    return Levers(points, np.hypot(spread, BLUR_M), np.where(clear, grf**2, 0.0))
-
-
 def accounted_for(evidence: Evidence, fitted: Fitted, foot: int, place: FloatArray) -> float:
     """How much of the excess of GRF and CoP one force of any course at a place would account for.
 
@@ -205,12 +159,103 @@ def accounted_for(evidence: Evidence, fitted: Fitted, foot: int, place: FloatArr
     return float(np.clip(made / excess, 0.0, 1.0))
 
 
-def density(levers: Levers, low: FloatArray, high: FloatArray) -> tuple[FloatArray, ...]:
-    """Axes x, y (r,) and density (r, r) of lever points over a box [1/m^2], 1 in all."""
-    x, y = (np.linspace(low[axis], high[axis], RASTER) for axis in (0, 1))
-    clear = levers.clear & (levers.weight > 0.0)
-    points, spread = levers.points[clear], levers.spread[clear]
-    weight = levers.weight[clear] / max(float(levers.weight[clear].sum()), 1e-300)
-    far_x = np.exp(-0.5 * ((x[:, None] - points[:, 0]) / spread) ** 2)
-    far_y = np.exp(-0.5 * ((y[:, None] - points[:, 1]) / spread) ** 2)
-    return x, y, (far_x * (weight / (2.0 * np.pi * spread**2))) @ far_y.T
+def place_pictures(
+    diagnosis: Diagnosis, evidence: Evidence, robot: Robot, shoe: Shoe
+) -> tuple[Picture, ...]:
+    """Residuals on the feet, before and after."""
+    every = np.ones(len(evidence.time), dtype=bool)
+    alone = evidence.explained is None
+    pairs = [("" if alone else ", nothing added", evidence.without, BEFORE)]
+    if evidence.explained is not None:
+        pairs.append((", with what was found", evidence.explained, AFTER))
+    supports = [stands(evidence, int(run)) for run in np.unique(evidence.run)]
+    known = [one for one in dict.fromkeys(supports) if one is not None]
+    fields = [field_between(evidence, fitted, every) for _, fitted, _ in pairs]
+    times = magnification(fields, cop_noise(evidence))
+    pictures = []
+    for (label, _, look), one in zip(pairs, fields, strict=True):
+        if not known or not len(one.places):
+            continue
+        left = foot_shape(robot, shoe, 0)
+        rights = [foot_shape(robot, shoe, 1, support) for support in known]
+        pictures.append(
+            Picture(
+                f"CoP error between the feet{label}",
+                residual_field.field_between(left, rights, one, look, times),
+                "Each arrow starts where the model has the CoP and points to where the shoes "
+                "measured it. Look for arrows that all point one way or grow towards one place: "
+                "noise alone leaves short ones in all directions."
+                + (" Thin outlines: other places of the right foot." if len(known) > 1 else ""),
+            )
+        )
+    return (*pictures, *_under_feet(diagnosis, evidence, robot, shoe, pairs))
+
+
+def _under_feet(
+    diagnosis: Diagnosis,
+    evidence: Evidence,
+    robot: Robot,
+    shoe: Shoe,
+    pairs: list[tuple[str, Fitted, palette.Look]],
+) -> list[Picture]:
+    every = np.ones(len(evidence.time), dtype=bool)
+    fields = [
+        [field_under(evidence, fitted, every, foot) for foot in (0, 1)] for _, fitted, _ in pairs
+    ]
+    times = magnification([one for both in fields for one in both], cop_noise(evidence))
+    shares, meaning = _cell_shares(diagnosis), "its share of the gap"
+    if not shares:
+        shares, meaning = (
+            _accounted_for(evidence, shoe),
+            "what one wrong force there could account for",
+        )
+    forces = np.concatenate([one.force for both in fields for one in both])
+    largest = float(np.abs(forces).max()) if len(forces) else 0.0
+    pictures = []
+    for (label, _, look), both in zip(pairs, fields, strict=True):
+        soles = [
+            SoleOutline(foot_shape(robot, shoe, foot), both[foot],
+                 _at_cells(shoe, foot, shares) if label == pairs[0][0] else ())
+            for foot in (0, 1)
+        ]  # fmt: skip
+        numbers = f" Per cent at a cell: {meaning}." if any(one.shares for one in soles) else ""
+        pictures.append(
+            Picture(
+                f"Error by where each foot was loaded{label}",
+                field_under_feet(soles, look, times, largest),
+                "Arrows and circles stand where the foot's own CoP was, and show how far the CoP "
+                "and GRF of both feet together were off then. Where circles grow, look at the "
+                f"cells that carry the load there.{numbers}",
+            )
+        )
+    return pictures
+
+
+def _cell_shares(diagnosis: Diagnosis) -> dict[str, float]:
+    shares: dict[str, float] = {}
+    for place in diagnosis.where:
+        if place.cell:
+            shares[place.cell] = shares.get(place.cell, 0.0) + place.share
+    return shares
+
+
+def _accounted_for(evidence: Evidence, shoe: Shoe) -> dict[str, float]:
+    """Of every cell; nothing of six-axis sensors, which separate force and moments."""
+    shares = {
+        channel.name: accounted_for(evidence, evidence.without, channel.foot, channel.position)
+        for channel in shoe.channels
+        if not shoe.torque[shoe.of_foot(channel.foot)].any()
+    }
+    return {name: share for name, share in shares.items() if np.isfinite(share)}
+
+
+def _at_cells(
+    shoe: Shoe, foot: int, shares: dict[str, float]
+) -> tuple[tuple[FloatArray, str], ...]:
+    """Text at each place of a channel that holds a share; axes of one sensor are one place."""
+    places: dict[tuple[float, ...], float] = {}
+    for channel in shoe.channels:
+        if channel.foot == foot and channel.name in shares:
+            key = tuple(map(float, channel.position))
+            places[key] = places.get(key, 0.0) + shares[channel.name]
+    return tuple((np.array(place), percent(share)) for place, share in places.items())

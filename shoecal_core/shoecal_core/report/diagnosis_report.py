@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from shoecal_core.diagnosis.result import Diagnosis
 from shoecal_core.report.diagnosis_answer import key_figures, run_text, verdict_of
-from shoecal_core.report.diagnosis_cause_figures import (
-    candidate_pictures,
+from shoecal_core.report.diagnosis_figures import (
     hidden_rms_mm,
+    quiet_signals,
     ranking_picture,
     share_picture,
-    shrink_picture,
+    time_pictures,
 )
-from shoecal_core.report.diagnosis_place_figures import lever_picture, place_pictures
+from shoecal_core.report.diagnosis_places import place_pictures
 from shoecal_core.report.diagnosis_tables import (
     alike_table,
     blind_spots_table,
@@ -26,14 +26,9 @@ from shoecal_core.report.diagnosis_tables import (
     notes_table,
     shrink_table,
 )
-from shoecal_core.report.diagnosis_time_figures import (
-    quiet_signals,
-    test_run_pictures,
-    time_pictures,
-)
 from shoecal_core.report.diagnosis_words import label_text, listed, motion_text, signal_text
 from shoecal_core.report.html import write_page
-from shoecal_core.report.page import Group, Page, Picture, Section, Table
+from shoecal_core.report.page import Group, Page, Section, Table
 from shoecal_core.report.quantities import size
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import Shoe
@@ -92,8 +87,9 @@ def _where(diagnosis: Diagnosis, robot: Robot, shoe: Shoe) -> Section:
     evidence, shares = diagnosis.evidence, share_picture(diagnosis)
     groups = []
     if evidence is not None:
-        levers = lever_picture(evidence, robot, shoe)
-        pictures = _known((*place_pictures(diagnosis, evidence, robot, shoe), levers, shares))
+        pictures = place_pictures(diagnosis, evidence, robot, shoe)
+        if shares is not None:
+            pictures = (*pictures, shares)
         if pictures:
             groups.append(Group("On the feet", pictures=pictures))
         quiet = [signal_text(name) for name in quiet_signals(diagnosis, evidence)]
@@ -116,27 +112,12 @@ def _where(diagnosis: Diagnosis, robot: Robot, shoe: Shoe) -> Section:
 
 
 def _which(diagnosis: Diagnosis) -> Section | None:
-    pictures: list[Picture] = []
     ranking = ranking_picture(diagnosis)
-    if ranking is not None:
-        pictures.append(ranking)
+    pictures = () if ranking is None else (ranking,)
     tables = (causes_table(diagnosis),) if diagnosis.causes else ()
-    groups = []
-    if diagnosis.evidence is not None:
-        against = candidate_pictures(diagnosis.evidence)
-        if against:
-            groups.append(
-                Group(
-                    "What is left against what each candidate would change",
-                    "A candidate is put into the model, and gains and offsets are fitted again. "
-                    "What it then changes in a signal is drawn to the right, what was left of the "
-                    "signal upwards. Best candidates first; test runs where there are any.",
-                    pictures=against,
-                )
-            )
-    if pictures or tables:
-        groups.append(Group("Candidates", pictures=tuple(pictures), tables=tables))
-    return Section("Which cause", tuple(groups)) if groups else None
+    if not pictures and not tables:
+        return None
+    return Section("Which cause", (Group(pictures=pictures, tables=tables),))
 
 
 def _alike(diagnosis: Diagnosis) -> Section:
@@ -172,11 +153,7 @@ def _shrink(diagnosis: Diagnosis) -> Section | None:
             " In addition, the effect was given to a simulated robot, which replayed the same "
             "commanded motion: everything called simulated below comes from there."
         )
-    evidence = diagnosis.evidence
-    pictures: tuple[Picture, ...] = (shrink_picture(diagnosis),)
-    if evidence is not None and evidence.explained is not None:
-        pictures = (*test_run_pictures(diagnosis, evidence), *pictures)
-    group = Group(pictures=pictures, tables=(shrink_table(diagnosis),))
+    group = Group(tables=(shrink_table(diagnosis),))
     title = "Before and after, on runs not used" if diagnosis.test else "Before and after"
     return Section(title, (group,), text)
 
@@ -220,10 +197,6 @@ def _notes(diagnosis: Diagnosis, robot: Robot, shoe: Shoe) -> Section:
         rows = tuple((note,) for note in diagnosis.notes)
         tables.insert(0, Table("Missing or left out", ("",), rows))
     return Section("Notes", (Group(tables=tuple(tables)),))
-
-
-def _known(pictures: Iterable[Picture | None]) -> tuple[Picture, ...]:
-    return tuple(picture for picture in pictures if picture is not None)
 
 
 def _plain(title: str, table: Table | None, text: str) -> Section:

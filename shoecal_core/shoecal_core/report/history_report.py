@@ -9,13 +9,14 @@ from pathlib import Path
 import numpy as np
 
 from shoecal_core.estimation.history import HistoryEntry
-from shoecal_core.report.figures.history import ChannelTrack, history_figure
+from shoecal_core.report.figures.tracks import ChannelTrack, tracks
 from shoecal_core.report.html import write_page
 from shoecal_core.report.page import Group, Page, PageVerdict, Picture, Reason, Section, Table
 from shoecal_core.report.quantities import UNKNOWN, quantity
 from shoecal_core.shoe.shoe import FEET
 
 DAY_NS = 86_400 * 10**9
+DAYS = "days since the first calibration"
 MEANING = "Verdict of the latest calibration."
 CAPTION = "Bars: one standard deviation, where the file has a covariance."
 
@@ -72,6 +73,7 @@ def _foot(history: Sequence[HistoryEntry], foot: str) -> Group:
     gains = [
         ChannelTrack(
             names[index],
+            days,
             np.array([100.0 + entry.gain_change[index] for entry in history]),
             np.array([100.0 * abs(entry.gain_std[index] / base[index]) for entry in history]),
         )
@@ -80,14 +82,15 @@ def _foot(history: Sequence[HistoryEntry], foot: str) -> Group:
     offsets = [
         ChannelTrack(
             names[index],
+            days,
             np.array([entry.calibration.parameters.offset[index] for entry in history]),
             np.array([entry.offset_std[index] for entry in history]),
         )
         for index in force
     ]
     pictures = [
-        Picture("Gains", history_figure(days, gains, "gain (% of the first)"), CAPTION),
-        Picture("Offsets", history_figure(days, offsets, "offset (N)"), CAPTION),
+        Picture("Gains", tracks(gains, DAYS, "gain (% of the first)"), CAPTION),
+        Picture("Offsets", tracks(offsets, DAYS, "offset (N)"), CAPTION),
     ]
     return Group(f"{foot.capitalize()} foot", pictures=tuple(pictures))
 

@@ -113,37 +113,6 @@ class Player:
 
 
 @dataclass(frozen=True)
-class Still:
-    """A picture made of pixels, with its ground left clear.
-
-    Attributes:
-        uri: the picture itself, as `data:`.
-        label: below it.
-        alt: what is to be seen, for those who do not see it.
-        width, height: [pixels].
-    """
-
-    uri: str
-    label: str
-    alt: str
-    width: int
-    height: int
-
-    def __post_init__(self) -> None:
-        if not self.uri.startswith("data:image/"):
-            raise ShoecalError(f"'{self.uri[:40]}' is no picture that a page can hold by itself")
-
-
-@dataclass(frozen=True)
-class StillStrip:
-    """Pictures of some instants side by side, as wide as the page."""
-
-    title: str
-    stills: tuple[Still, ...]
-    caption: str = ""
-
-
-@dataclass(frozen=True)
 class Group:
     """What stands under one subheading (none where the title is empty)."""
 
@@ -152,7 +121,6 @@ class Group:
     pictures: tuple[Picture, ...] = ()
     tables: tuple[Table, ...] = ()
     player: Player | None = None
-    strip: StillStrip | None = None
 
 
 @dataclass(frozen=True)

@@ -78,6 +78,9 @@ GUESS = Look(TEAL, 1.1, (4.0, 1.5))
 TRUTH = Look(BLUE, 2.2)
 MEASURED = Look(RED, 1.1)
 MODELLED = Look(SLATE, 1.1, (1.2, 1.2))
+BEFORE = Look(RED, 1.1)
+AFTER = Look(TEAL, 1.1)
+"""Of residuals: without and with an explanation."""
 
 
 def variables() -> str:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from shoecal_core.planning.checking.body_track import BodyTrack, track
@@ -13,15 +15,113 @@ from shoecal_core.planning.checking.findings import Report
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.support_phase import SupportPhase
-from shoecal_core.report.plan_targets import Target, TargetMark, marks_of
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import FEET
 
 FloatArray = NDArray[np.float64]
-
+SAME = 1e-3
+"""m; places nearer to each other than this are drawn as one."""
 BOTH = "both"
 STABILITY = "distance of the CoP from the edge of the sensing polygon"
 """Name of a constraint of the check."""
+
+
+@dataclass(frozen=True)
+class Target:
+    """A place that the CoP pursued.
+
+    Attributes:
+        number: in the order of pursuit, from 1.
+        place: (2,) in the world [m].
+        nearest: the planner's distance to it, of the torso's lean and height too where these were
+            pursued; infinite where it was never pursued [m].
+        cop_distance: of the CoP alone [m].
+        reached: it came as near as it should.
+        sample: of the motion at which the CoP was nearest; -1 where never pursued.
+    """
+
+    number: int
+    place: FloatArray
+    nearest: float
+    cop_distance: float
+    reached: bool
+    sample: int
+
+    @property
+    def pursued(self) -> bool:
+        """Whether the planner came to it at all."""
+        return bool(np.isfinite(self.nearest))
+
+    def off(self, radius: float) -> str:
+        """What is missing: the distance, or what else.
+
+        Args:
+            radius: within which a landmark is reached [m].
+        """
+        if not self.pursued:
+            return "never pursued"
+        if self.cop_distance < radius:
+            return "lean or height off"
+        return f"{1e3 * self.nearest:.1f} mm off"
+
+
+@dataclass(frozen=True)
+class TargetMark:
+    """Targets at one place, as figures show them.
+
+    Attributes:
+        numbers: for example `1, 3–5`.
+        missing: of the worst that was not reached; empty where all were.
+        place: (2,) [m].
+    """
+
+    numbers: str
+    missing: str
+    place: FloatArray
+
+    @property
+    def label(self) -> str:
+        """Its numbers and what is missing."""
+        return f"{self.numbers}: {self.missing}" if self.missing else self.numbers
+
+
+def marks_of(targets: Sequence[Target], radius: float) -> tuple[TargetMark, ...]:
+    """Each place once, in the order of first pursuit.
+
+    Args:
+        targets: of a motion.
+        radius: within which a landmark is reached [m].
+    """
+    groups: list[list[Target]] = []
+    for target in targets:
+        for group in groups:
+            if np.linalg.norm(group[0].place - target.place) < SAME:
+                group.append(target)
+                break
+        else:
+            groups.append([target])
+    marks = []
+    for group in groups:
+        missed = [one for one in group if not one.reached]
+        worst = max(missed, key=lambda one: one.nearest, default=None)
+        marks.append(
+            TargetMark(
+                numbers=", ".join(_runs([one.number for one in group])),
+                missing="" if worst is None else worst.off(radius),
+                place=group[0].place,
+            )
+        )
+    return tuple(marks)
+
+
+def _runs(numbers: Sequence[int]) -> Iterator[str]:
+    """Neighbouring numbers as `3–5`."""
+    begin = 0
+    for index in range(1, len(numbers) + 1):
+        if index == len(numbers) or numbers[index] != numbers[index - 1] + 1:
+            first, last = numbers[begin], numbers[index - 1]
+            yield str(first) if first == last else f"{first}–{last}"
+            begin = index
 
 
 @dataclass(frozen=True)
@@ -156,6 +256,29 @@ class PlannedMotion:
     def marks(self) -> tuple[TargetMark, ...]:
         """The targets as figures show them."""
         return marks_of(self.targets, self.settings.landmark_radius)
+
+    def placed(self, foot: int, sample: int, points: FloatArray) -> FloatArray:
+        """Points (k, 2) of a sole seen from above at a sample [m]."""
+        rotation, place = self.soles
+        return points @ rotation[sample, foot, :2, :2].T + place[sample, foot, :2]
+
+    @cached_property
+    def hulls(self) -> list[FloatArray]:
+        """Corners (h, 2) of the hull of both sensing polygons, once for each double support [m]."""
+        found: list[FloatArray] = []
+        for stand in self.stands:
+            if stand.feet != BOTH:
+                continue
+            corners = [
+                self.placed(side, stand.begin, foot.sensing_polygon)
+                for side, foot in enumerate(self.robot.feet)
+            ]
+            hull = shapely.MultiPoint(np.vstack(corners)).convex_hull
+            ring = shapely.get_coordinates(hull)
+            if not any(one.shape == ring.shape and np.allclose(one, ring, atol=1e-3)
+                       for one in found):  # fmt: skip
+                found.append(ring)
+        return found
 
     def _in_world(self, place: FloatArray, sample: int) -> FloatArray:
         """A place (2,) in the left sole's frame where it is when the feet next stand [m].

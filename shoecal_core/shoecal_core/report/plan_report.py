@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from shoecal_core.planning.supports.identifiability import Identifiability
-from shoecal_core.report.assessment_tables import weak_table
+from shoecal_core.report.assessment import weak_table
 from shoecal_core.report.figures.margins import margin_text
 from shoecal_core.report.html import write_page
 from shoecal_core.report.page import (
@@ -19,20 +19,15 @@ from shoecal_core.report.page import (
     Picture,
     Reason,
     Section,
-    StillStrip,
     Table,
 )
-from shoecal_core.report.plan_animation import animation
 from shoecal_core.report.plan_content import PlannedMotion
-from shoecal_core.report.plan_figures import motion_pictures
-from shoecal_core.report.plan_strip import plan_strips
+from shoecal_core.report.plan_figures import animation, motion_pictures
 from shoecal_core.report.quantities import double_support_text, quantity
-from shoecal_core.report.scene.offscreen import tried
 from shoecal_core.report.sheet import SheetFigure, write_sheet
 from shoecal_core.report.svg import readable
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
-from shoecal_core.shoe.shoe import Shoe
 
 PAGE = "plan.html"
 NOTE = "A plan, computed from the robot’s model; nothing was measured."
@@ -57,7 +52,6 @@ def write_plan(
     folder: Path,
     motions: Sequence[PlannedMotion],
     unplanned: Sequence[Unplanned] = (),
-    shoe: Shoe | None = None,
     known: Identifiability | None = None,
 ) -> None:
     """Write `plan.html`, and next to it `LABEL.svg` for every motion.
@@ -66,7 +60,6 @@ def write_plan(
         folder: to write into.
         motions: one at least.
         unplanned: double supports in which there is none.
-        shoe: that the robot wears; None: it is not drawn in three dimensions.
         known: what a calibration from these motions would fix, where that is known.
 
     Raises:
@@ -75,8 +68,7 @@ def write_plan(
     pictures = [motion_pictures(planned) for planned in motions]
     for planned, drawn in zip(motions, pictures, strict=True):
         write_sheet(folder / picture_name(planned), _rows(planned, drawn), _alt(planned))
-    seen = None if shoe is None else tried(lambda: plan_strips(motions, shoe))
-    write_page(folder / PAGE, plan_page(motions, pictures, unplanned, seen, known))
+    write_page(folder / PAGE, plan_page(motions, pictures, unplanned, known))
 
 
 def picture_name(planned: PlannedMotion) -> str:
@@ -100,7 +92,6 @@ def plan_page(
     motions: Sequence[PlannedMotion],
     pictures: Sequence[tuple[Picture, ...]],
     unplanned: Sequence[Unplanned] = (),
-    seen: Sequence[StillStrip] | str | None = None,
     known: Identifiability | None = None,
 ) -> Page:
     """The page, ready to be rendered; the same motions make the same page.
@@ -109,10 +100,8 @@ def plan_page(
         motions: one at least.
         pictures: of each.
         unplanned: double supports in which there is none.
-        seen: the robot in each of them, or why it cannot be seen.
         known: what a calibration from them would fix, where that is known.
     """
-    strips = [None] * len(motions) if seen is None or isinstance(seen, str) else seen
     open_directions = weak_table(known.weak) if known else None
     more = (_unplanned_table(unplanned) if unplanned else None, open_directions)
     tables = (_table(motions), *(table for table in more if table is not None))
@@ -125,8 +114,8 @@ def plan_page(
         verdict=verdict(motions, unplanned, known),
         key_figures=(*_key_figures(motions), *(_fixed_figure(known) if known else ())),
         sections=(
-            Section("All motions", (Group(tables=tables),), seen if isinstance(seen, str) else ""),
-            *(_section(*one) for one in zip(motions, pictures, strips, strict=True)),
+            Section("All motions", (Group(tables=tables),)),
+            *(_section(*one) for one in zip(motions, pictures, strict=True)),
         ),
         provenance=(
             NOTE,
@@ -251,12 +240,10 @@ def _unplanned_table(unplanned: Sequence[Unplanned]) -> Table:
     return Table("Not planned", ("", "double support", "reason"), rows)
 
 
-def _section(
-    planned: PlannedMotion, pictures: tuple[Picture, ...], strip: StillStrip | None
-) -> Section:
+def _section(planned: PlannedMotion, pictures: tuple[Picture, ...]) -> Section:
     text = f"{support_text(planned.motion.support)}; {planned.motion.duration:.1f} s."
     return Section(
         heading(planned),
-        (Group(strip=strip, player=animation(planned), pictures=pictures),),
+        (Group(player=animation(planned), pictures=pictures),),
         text[0].upper() + text[1:],
     )

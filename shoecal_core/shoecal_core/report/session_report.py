@@ -11,11 +11,9 @@ from shoecal_core.estimation.comparison import StanceComparison, compare
 from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.truth import Truth
-from shoecal_core.report.assessment_content import assessment_content
 from shoecal_core.report.calibration_content import CalibrationReport, RunReport
 from shoecal_core.report.calibration_report import calibration_report
 from shoecal_core.report.origin import origin
-from shoecal_core.screening.settings import CalibrationSettings
 
 SNAPSHOTS = 6
 
@@ -25,7 +23,6 @@ def write_session_report(
     session: Session,
     outcome: CalibrationOutcome,
     *,
-    settings: CalibrationSettings | None = None,
     truths: Mapping[int, Truth] | None = None,
     timing: Mapping[str, float] | None = None,
     provenance: Sequence[str] = (),
@@ -36,7 +33,6 @@ def write_session_report(
         path: of the HTML file.
         session: that the calibration was found from.
         outcome: of the calibration.
-        settings: that the calibration was made with; None: the usual ones.
         truths: of simulated runs, to be compared with; of no use unless every run has one.
         timing: seconds by stage.
         provenance: further lines on where this is from.
@@ -47,8 +43,7 @@ def write_session_report(
     calibration_report(
         path,
         session_content(
-            session, outcome, settings=settings, truths=truths,
-            timing=timing, provenance=provenance,
+            session, outcome, truths=truths, timing=timing, provenance=provenance
         ),
     )  # fmt: skip
 
@@ -57,7 +52,6 @@ def session_content(
     session: Session,
     outcome: CalibrationOutcome,
     *,
-    settings: CalibrationSettings | None = None,
     truths: Mapping[int, Truth] | None = None,
     timing: Mapping[str, float] | None = None,
     provenance: Sequence[str] = (),
@@ -74,7 +68,8 @@ def session_content(
         calibration=outcome.calibration,
         stages=outcome.stages,
         runs=tuple(_run(outcome, stances) for stances in by_run.values()),
-        assessed=assessment_content(outcome, settings),
+        assessed=outcome.assessment,
+        screening=outcome.screening,
         timing=timing or {},
         provenance=(*_origin(session, outcome), *provenance),
         zeros=tuple(outcome.zeros),

@@ -19,9 +19,10 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from shoecal_core.report.palette import COLOURS, INK, MUTED, RULE, Look
+from shoecal_core.report.palette import COLOURS, INK, MUTED, RULE, Colour, Look
 
 FloatArray = NDArray[np.float64]
 
@@ -29,6 +30,8 @@ WIDTH = 380.0
 """Units of a figure's width; Matplotlib's points."""
 TEXT = 10.0
 SMALL = 9.0
+LINE = 17.0
+"""Units from one row of a legend to the next."""
 MAX_POINTS = 500
 """Points of one drawn line: more than a column has pixels."""
 
@@ -58,6 +61,15 @@ class Canvas:
         )  # fmt: skip
         axes.set_axisbelow(True)
         return axes
+
+    def legends(
+        self, handles: Sequence[Artist], per_line: int, left: float = 0.0, top: float = 0.0
+    ) -> float:
+        """Rows of legend entries; how high they are."""
+        begins = range(0, len(handles), per_line)
+        for row, begin in enumerate(begins):
+            self.legend(handles[begin : begin + per_line], left, top + LINE * row)
+        return LINE * len(begins)
 
     def legend(self, handles: Sequence[Artist], left: float = 0.0, top: float = 0.0) -> None:
         """One row of legend entries, labelled by the handles themselves."""
@@ -143,6 +155,27 @@ def line_key(look: Look, label: str) -> Line2D:
     if look.dashes:
         line.set_dashes(look.dashes)
     return line
+
+
+def area_key(colour: Colour, label: str) -> Patch:
+    """Legend entry of what is filled."""
+    return Patch(facecolor=colour.light, edgecolor="none", label=readable(label))
+
+
+def marker_key(
+    marker: str, colour: Colour, label: str, size: float = 4.5, *, filled: bool = False
+) -> Line2D:
+    """Legend entry of a marker that stands alone."""
+    return Line2D(
+        [], [], linestyle="", marker=marker, markersize=size, color=colour.light, label=label,
+        markerfacecolor=colour.light if filled else "none",
+    )  # fmt: skip
+
+
+def y_label(axes: Axes, text: str) -> None:
+    """Name of the vertical axis, as far from the frame as in every other figure."""
+    axes.set_ylabel(text)
+    axes.yaxis.set_label_coords(-38.0 / (WIDTH * axes.get_position().width), 0.5)
 
 
 def thinned(x: FloatArray, y: FloatArray, most: int = MAX_POINTS) -> tuple[FloatArray, FloatArray]:

@@ -28,11 +28,10 @@ from scipy.spatial.transform import Rotation
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
-from shoecal_core.report.scene.body import CELL, Joints, body_shapes, joints_at
-from shoecal_core.report.scene.shapes import LinkShape, Rgba
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_ros.common.conversions import header_to_ros
+from shoecal_ros.model.body_shapes import CELL, Joints, LinkShape, Rgba, body_shapes, joints_at
 
 FloatArray = NDArray[np.float64]
 

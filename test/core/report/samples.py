@@ -22,12 +22,10 @@ from shoecal_core.estimation.support_error import support_covariance
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.identifiability import identifiability
 from shoecal_core.planning.supports.observability import relative_information
-from shoecal_core.report.assessment_content import AssessmentContent
 from shoecal_core.report.calibration_content import CalibrationReport, RunReport
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
 from shoecal_core.samples.stance import Stance
-from shoecal_core.screening.result import Screening
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.shoe.sensing import Sensing
 from shoecal_core.shoe.shoe import Shoe
@@ -70,7 +68,7 @@ def content(
     training = [stance for stance in stances if stance.run in TRAIN]
     stages = self_calibrate(shoe, training, CalibrationSettings())
     exact = Sensing(shoe, parameters)
-    assessed = assessment_content(robot, shoe, stages, training)
+    assessed = assessment_of(robot, shoe, stages, training)
     return CalibrationReport(
         robot=robot,
         shoe=shoe,
@@ -86,14 +84,14 @@ def content(
     )
 
 
-def assessment_content(
+def assessment_of(
     robot: Robot, shoe: Shoe, stages: SelfCalibration, training: Sequence[Stance]
-) -> AssessmentContent:
+) -> Assessment:
     """What the training runs identify; without joint angles no error of the robot is known.
 
     The double support to add is made up: to find the best of all takes seconds.
     """
-    settings, tolerances = CalibrationSettings(), Tolerances()
+    tolerances = Tolerances()
     fit, parameters = stages.fit, stages.parameters
     size = 2 * len(shoe.names)
     covariance = fit.covariance
@@ -105,7 +103,7 @@ def assessment_content(
     known = relative_information(robot, shoe, parameters, fit.information[:size, :size])
     told = identifiability(robot, shoe, known, PlannerSettings())
     outputs = np.concatenate([parameters.outputs(one.readings) for one in training])
-    assessment = Assessment(
+    return Assessment(
         covariance=covariance,
         error_model=model,
         both=both,
@@ -117,7 +115,6 @@ def assessment_content(
         seen_std=np.sqrt(np.diag(covariance)[:size]),
         load_range=np.stack((outputs.min(axis=0), outputs.max(axis=0))),
     )
-    return AssessmentContent(assessment, settings.fixed_below, Screening())
 
 
 def misled(stance: Stance, parameters: ChannelParameters, rng: np.random.Generator) -> Stance:

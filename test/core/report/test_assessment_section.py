@@ -8,15 +8,21 @@ import numpy as np
 import pytest
 
 from core.report import samples
-from shoecal_core.estimation.assessment import NORMAL_95
+from shoecal_core.estimation.assessment import NORMAL_95, Assessment
 from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.recording.session import Session
-from shoecal_core.report.assessment_content import AssessmentContent
-from shoecal_core.report.assessment_figures import rms, source_pictures
-from shoecal_core.report.assessment_section import assessment_section, expected_keys
+from shoecal_core.report.assessment import (
+    assessment_section,
+    carried,
+    cure,
+    expected_keys,
+    possible,
+    rms,
+    source_name,
+    source_pictures,
+)
 from shoecal_core.report.calibration_content import CalibrationReport
 from shoecal_core.report.calibration_tables import channels_table
-from shoecal_core.report.error_source_names import cure, source_name
 from shoecal_core.report.page import Group, Section
 from shoecal_core.report.quantities import size
 from shoecal_core.report.session_report import session_content
@@ -31,7 +37,7 @@ def swaying(session: Session, outcome: CalibrationOutcome) -> CalibrationReport:
     return session_content(session, outcome)
 
 
-def assessed_in(content: CalibrationReport) -> AssessmentContent:
+def assessed_in(content: CalibrationReport) -> Assessment:
     assert content.assessed is not None
     return content.assessed
 
@@ -54,9 +60,8 @@ def test_expected_errors_are_told(swaying: CalibrationReport) -> None:
     """The same numbers as the terminal and the figures have."""
     assessed = assessed_in(swaying)
     shown = words(assessment_section(swaying, assessed))
-    found = assessed.assessment
-    both, feet = found.expected_cop()
-    for spread, cop in zip((found.both, *found.feet), (both, *feet.values()), strict=True):
+    both, feet = assessed.expected_cop()
+    for spread, cop in zip((assessed.both, *assessed.feet), (both, *feet.values()), strict=True):
         assert size(1e3 * cop, "mm") in shown
         assert size(rms(spread.grf), "N") in shown
     values = [key.value for key in expected_keys(assessed)]
@@ -66,9 +71,9 @@ def test_expected_errors_are_told(swaying: CalibrationReport) -> None:
 
 def test_error_sources_and_cures_are_named(swaying: CalibrationReport) -> None:
     assessed = assessed_in(swaying)
-    assert assessed.carried
+    assert carried(assessed)
     section = words(assessment_section(swaying, assessed))
-    budget = assessed.assessment.budget
+    budget = assessed.budget
     assert budget is not None
     assert "What would help" in section
     known = [one for one in budget.sources if np.isfinite(one.without).all()]
@@ -83,7 +88,7 @@ def test_error_sources_and_cures_are_named(swaying: CalibrationReport) -> None:
 
 def test_where_the_model_s_errors_are_not_known_it_is_said(content: CalibrationReport) -> None:
     assessed = assessed_in(content)
-    assert not assessed.carried
+    assert not carried(assessed)
     shown = words(assessment_section(content, assessed))
     assert "the true errors are larger" in shown
     assert "What would help" not in shown
@@ -94,22 +99,20 @@ def test_where_the_model_s_errors_are_not_known_it_is_said(content: CalibrationR
 def test_what_was_left_open_and_what_to_add(content: CalibrationReport) -> None:
     """One training run alone leaves much open."""
     assessed = assessed_in(content)
-    found = assessed.assessment
-    assert found.told.weak
+    assert assessed.told.weak
     shown = words(assessment_section(content, assessed))
-    for weak in found.told.weak:
+    for weak in assessed.told.weak:
         assert weak.words in shown
-    assert found.support_to_add is not None
-    assert str(found.support_to_add) in shown
-    assert f"{found.told.rank} of {assessed.possible} directions" in shown
+    assert assessed.support_to_add is not None
+    assert str(assessed.support_to_add) in shown
+    assert f"{assessed.told.rank} of {possible(assessed)} patterns" in shown
 
 
 def test_where_nothing_is_left_open(content: CalibrationReport) -> None:
     assessed = assessed_in(content)
-    found = assessed.assessment
-    whole = replace(found, told=replace(found.told, weak=()), support_to_add=None)
-    shown = words(assessment_section(content, replace(assessed, assessment=whole)))
-    assert "All directions" in shown
+    whole = replace(assessed, told=replace(assessed.told, weak=()), support_to_add=None)
+    shown = words(assessment_section(content, whole))
+    assert "All that double supports show" in shown
     assert "Left open by the data" not in shown
     assert "Double support to add" not in shown
 
@@ -124,15 +127,15 @@ def test_samples_left_out_are_counted_and_named(content: CalibrationReport) -> N
         samples={1: 400, 2: 400, 4: 400},
         kept={4: np.zeros(400, dtype=bool)},
     )
-    assessed = replace(assessed_in(content), screening=screening)
-    shown = words(assessment_section(content, assessed))
+    assessed, faulty = assessed_in(content), replace(content, screening=screening)
+    shown = words(assessment_section(faulty, assessed))
     assert "403 of 1200 samples do not count (33.6 %)" in shown
     assert "run 1 400 3 (0.8 %)" in shown
     assert "run 4 (all of it)" in shown
     assert "spike WARN left/a gave spikes" in shown
     assert "Samples left out, in time" in shown
-    clean = replace(assessed, screening=Screening(samples={1: 400}))
-    assert "Nothing: all 400 samples count" in words(assessment_section(content, clean))
+    clean = replace(content, screening=Screening(samples={1: 400}))
+    assert "Nothing: all 400 samples count" in words(assessment_section(clean, assessed))
 
 
 def test_offsets_without_the_patterns_that_nobody_sees(
@@ -142,6 +145,4 @@ def test_offsets_without_the_patterns_that_nobody_sees(
     three = samples.content(samples.shoe_of(3), runs=1)
     assert "patterns" not in channels_table(three).note
     assert "look uncertain" in channels_table(replace(swaying, assessed=None)).note
-    np.testing.assert_allclose(
-        swaying.half_widths, NORMAL_95 * assessed_in(swaying).assessment.seen_std
-    )
+    np.testing.assert_allclose(swaying.half_widths, NORMAL_95 * assessed_in(swaying).seen_std)

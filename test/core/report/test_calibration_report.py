@@ -40,9 +40,8 @@ def test_a_whole_report(tmp_path: Path) -> None:
     html = path.read_text(encoding="utf-8")
     document = read(html)
     assert path.stat().st_size < 3_000_000
-    # Three of accuracy, four of what the data told, one of channels, four a run, one of each
-    # run's feet.
-    assert document.tags["svg"] == 3 + 4 + 1 + 5 * 5
+    # Two of accuracy, two maps, four a run, one of each run's feet.
+    assert document.tags["svg"] == 2 + 2 + 5 * 5
     assert not re.search(r"https?:", html)
     assert all(link.startswith(("#", "data:image/")) for link in document.links)
     assert len(document.ids) == len(set(document.ids))

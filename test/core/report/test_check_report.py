@@ -12,8 +12,7 @@ from core.report.pages import read
 from core.report.sessions import swaying_session
 from shoecal_core import cli
 from shoecal_core.recording.session import Session
-from shoecal_core.report.check_content import CheckReport
-from shoecal_core.report.check_report import check_page, check_report
+from shoecal_core.report.check_report import CheckReport, check_page, check_report
 from shoecal_core.report.html import key_columns, render
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot_file import load_robot

@@ -6,26 +6,22 @@ import pytest
 from core.report.pages import read_svg
 from core.robot import robots
 from core.shoe import shoes
-from shoecal_core.report.diagnosis_looks import AFTER, BEFORE, unit_of
-from shoecal_core.report.figures.added_variable import Added, added_variables, slope
-from shoecal_core.report.figures.lever_map import LeverMap, box, lever_map
+from shoecal_core.report.diagnosis_figures import residual_keys, rms_text, unit_of
+from shoecal_core.report.figures.feet import foot_shape
+from shoecal_core.report.figures.named_bars import NamedBar, named_bars, percent
 from shoecal_core.report.figures.residual_field import (
     LONGEST_MM,
     LONGEST_OF_NOISE_MM,
-    Arrows,
+    Field,
     SoleOutline,
     field_between,
     field_under_feet,
     magnification,
 )
-from shoecal_core.report.figures.run_lines import RunLine, run_lines
-from shoecal_core.report.figures.shares import Share, percent, share_bars
-from shoecal_core.report.figures.shrinks import Gone, Pair, Quantity, before_and_after
-from shoecal_core.report.foot_shapes import foot_shape
-from shoecal_core.report.palette import BLUE
+from shoecal_core.report.figures.strips import Strip, strips
+from shoecal_core.report.palette import AFTER, BEFORE, BLUE
 
-LOOKS = (BEFORE, AFTER)
-NOTHING = Arrows(np.empty((0, 2)), np.empty((0, 2)))
+NOTHING = Field(np.empty((0, 2)), np.empty((0, 2)), np.empty(0))
 
 
 def alt(svg: str) -> str:
@@ -33,7 +29,11 @@ def alt(svg: str) -> str:
 
 
 def test_shares_are_told() -> None:
-    told = alt(share_bars([Share("a", 0.46, BLUE, "kind"), Share("b", 1.4, BLUE)], "Shares"))
+    told = alt(
+        named_bars(
+            [NamedBar("a", "46 %", 0.46, BLUE, "kind"), NamedBar("b", "140 %", 1.4, BLUE)], "Shares"
+        )
+    )
     assert told == "Shares: a 46 %; b 140 %."
     assert [percent(value) for value in (0.0, 0.001, 0.5, 0.999, 1.0)] == [
         "0 %", "< 1 %", "50 %", "> 99 %", "100 %",
@@ -42,46 +42,23 @@ def test_shares_are_told() -> None:
 
 def test_lines_by_run() -> None:
     time = np.linspace(0.0, 10.0, 50)
+    before, after, unknown = np.full(50, 2.0), np.full(50, 0.5), np.full(50, np.nan)
     rows = [
-        RunLine("run 1", time, np.full(50, 2.0), np.full(50, 0.5), ((3.0, 4.0),), (6.0,)),
-        RunLine("run 2 · test", time, np.full(50, np.nan), np.full(50, np.nan), (), ()),
-    ]
-    svg = run_lines(rows, LOOKS, "mm", 0.1, "CoP forward")
+        Strip("run 1", time, ((BEFORE, before), (AFTER, after)), -3.0, 3.0,
+              rms_text([before, after]), band=(-0.2, 0.2), lifted=((3.0, 4.0),), onsets=(6.0,)),
+        Strip("run 2 · test", time, ((BEFORE, unknown),), -3.0, 3.0, rms_text([unknown])),
+    ]  # fmt: skip
+    svg = strips(rows, residual_keys(rows), "each row: ±3 mm", "RMS (mm)")
     assert "run 1 2.0 → 0.50; run 2 · test –" in alt(svg)
     assert ">6.0 s<" in svg
     assert "one foot lifted" in svg
-    alone = run_lines([RunLine("run 1", time, np.zeros(50), np.empty(0), (), ())], LOOKS, "N", 0.1,
-                      "GRF")  # fmt: skip
+    alone = strips(rows[1:], residual_keys(rows[1:]), "each row: ±3 N", "RMS (N)")
     assert "with what was found" not in alone
     assert "something begins" not in alone
 
 
-def test_the_right_candidate_turns_the_diagonal_flat() -> None:
-    rng = np.random.default_rng(1)
-    change = rng.normal(size=200)
-    noise = 0.01 * rng.normal(size=200)
-    right = Added("right", change, change + noise, noise)
-    wrong = Added("wrong", np.zeros(200), change, change)
-    told = alt(added_variables([right, wrong], LOOKS, "mm", "CoP"))
-    assert "right: slope 1.00 without, " in told
-    assert "wrong: slope 0.00 without, 0.00 with it" in told
-    assert slope(change, 3.0 * change) == pytest.approx(3.0)
-
-
-def test_errors_before_and_after() -> None:
-    pairs = (Pair("measured", 1.42, 0.45), Pair("simulated", 1.6, 0.7))
-    panel = Quantity("CoP error, mean (mm)", pairs, 0.38)
-    gone = [Gone("measured", 0.94, (0.88, 0.97)), Gone("simulated", -0.2, (np.nan, np.nan))]
-    told = alt(before_and_after(gone, [panel], LOOKS))
-    assert "measured: 94 % gone" in told
-    assert "simulated: from 1.6 to 0.7" in told
-    without = before_and_after([], [Quantity("readings (V)", pairs, np.nan)], LOOKS)
-    assert "share of the gap" not in without
-    assert "noise alone" not in without
-
-
 def test_arrows_have_one_round_scale_and_noise_stays_short() -> None:
-    one = Arrows(np.zeros((9, 2)), np.full((9, 2), 2e-3))
+    one = Field(np.zeros((9, 2)), np.full((9, 2), 2e-3), np.zeros(9))
     for noise in (0.0, 4e-4, 5e-3):
         times = magnification([one, NOTHING], noise)
         assert 2e-3 * np.sqrt(2.0) * times <= 1e-3 * LONGEST_MM
@@ -93,29 +70,21 @@ def test_arrows_have_one_round_scale_and_noise_stays_short() -> None:
 def test_feet_with_and_without_arrows() -> None:
     robot, shoe = robots.load("nao"), shoes.shoe("nao_shoe")
     left, right = (foot_shape(robot, shoe, foot) for foot in (0, 1))
-    some = Arrows(np.array([[0.01, 0.0], [0.03, 0.01]]), np.array([[1e-3, 0.0], [0.0, 2e-3]]))
+    some = Field(
+        np.array([[0.01, 0.0], [0.03, 0.01]]), np.array([[1e-3, 0.0], [0.0, 2e-3]]),
+        np.array([0.4, -0.2]),
+    )  # fmt: skip
     assert "2 places, 1.50 mm on average, 2.00 mm at most" in alt(
         field_between(left, [right], some, BEFORE, 5.0)
     )
     soles = [
-        SoleOutline(left, some, np.array([0.4, -0.2]), ((left.cells[0], "46 %"),)),
-        SoleOutline(right, NOTHING, np.empty(0)),
+        SoleOutline(left, some, ((left.cells[0], "46 %"),)),
+        SoleOutline(right, NOTHING),
     ]
     svg = field_under_feet(soles, BEFORE, 5.0, 0.4)
     assert ">46 %<" in svg
     assert "GRF off by 0.4 N" in svg
     assert "right: No sample." in alt(svg)
-
-
-def test_a_map_of_lever_points() -> None:
-    robot, shoe = robots.load("nao"), shoes.shoe("nao_shoe")
-    shape = foot_shape(robot, shoe, 0)
-    low, high = box(shape)
-    x, y = np.linspace(low[0], high[0], 9), np.linspace(low[1], high[1], 9)
-    dense = np.exp(-(((x[:, None] - 0.086) / 0.02) ** 2) - ((y - 0.041) / 0.02) ** 2)
-    maps = [LeverMap(shape, x, y, values, np.array([0.086, 0.041]), "2 mm from front left")
-            for values in (dense, np.zeros_like(dense))]  # fmt: skip
-    assert "left foot: 2 mm from front left" in alt(lever_map(maps))
 
 
 @pytest.mark.parametrize(

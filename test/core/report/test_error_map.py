@@ -14,7 +14,7 @@ from core.shoe import shoes
 from shoecal_core.errors import ShapeError
 from shoecal_core.planning.supports.polygon_error import places_over
 from shoecal_core.report.figures.error_map import ErrorMap, common_levels, error_map
-from shoecal_core.report.foot_shapes import foot_shape
+from shoecal_core.report.figures.feet import foot_shape
 from shoecal_core.report.palette import SIZES
 
 FloatArray = NDArray[np.float64]

@@ -16,20 +16,18 @@ from shoecal_core.estimation.series import Series
 from shoecal_core.report import palette
 from shoecal_core.report.calibration_figures import (
     accuracy_pictures,
-    channel_pictures,
     foot_picture,
     run_pictures,
 )
+from shoecal_core.report.calibration_tables import channels_table
 from shoecal_core.report.figures.bars import Bar, BarMark, mae_bars
-from shoecal_core.report.figures.directions import singular_values
-from shoecal_core.report.figures.intervals import IntervalColumn, intervals
+from shoecal_core.report.figures.feet import CopPath, FootShape, cop_plane, cop_under_feet
 from shoecal_core.report.figures.loads import (
     KnownLoads,
     cop_under_loads,
     forces_under_loads,
 )
 from shoecal_core.report.figures.motion import BODY, skeleton, snapshots
-from shoecal_core.report.figures.plane import CopPath, FootShape, cop_plane, cop_under_feet
 from shoecal_core.report.figures.series import (
     Line,
     cop_and_grf,
@@ -214,51 +212,25 @@ def test_loads_of_a_shoe(masses: list[float]) -> None:
         replace(loads, corrected=loads.corrected[1:])
 
 
-@pytest.mark.parametrize("count", [3, 12])
-def test_intervals(count: int) -> None:
-    names = [f"left/{index}" for index in range(count)]
-    values = np.linspace(10.0, 20.0, count)
-    unknown = np.full(count, np.nan)
-    columns = [
-        IntervalColumn("gain (N/V)", values, 0.1 * values, values + 1.0),
-        IntervalColumn("offset (N)", 1e-5 * values, unknown, unknown),
-    ]
-    text = list(read_svg(intervals(names, columns)).itertext())
-    assert set(names) <= set(text)
-    assert "initial guess" in text
-    assert "initial guess" not in list(read_svg(intervals(names, columns[1:])).itertext())
-
-
-@pytest.mark.parametrize("values", [[300.0, 2.0, 0.5, 0.0], [5.0], [0.1, 0.01]])
-def test_singular_values(values: list[float]) -> None:
-    root = read_svg(singular_values(np.array(values)))
-    above = sum(value > 1.0 for value in values)
-    assert f"{above} of {len(values)} are above 1" in root.attrib["aria-label"]
-    assert "$" not in "".join(root.itertext())
-    assert ("not identified" in list(root.itertext())) == (above < len(values))
-
-
 @pytest.mark.parametrize(("cells", "truth"), [(3, True), (4, False), (6, True), (6, False)])
 def test_every_picture_of_a_calibration(cells: int, truth: bool) -> None:
     content = samples.content(samples.shoe_of(cells), truth=truth, runs=1)
     run = samples.with_gap(content.runs[0])
     pictures = (
         *accuracy_pictures(content),
-        *channel_pictures(content),
         *run_pictures(content, run),
         foot_picture(content, run),
     )
     for picture in pictures:
         read_svg(picture.svg)
-    assert len(pictures) == (9 if truth else 8)
+    assert len(pictures) == 7
 
 
-def test_torques_stand_apart_from_forces() -> None:
+def test_torques_have_units_of_their_own() -> None:
     shoe = shoes.made([*shoes.six_axis(0, (0.0, 0.0, 0.1)), *shoes.six_axis(1, (0.0, 0.0, 0.1))])
     content = samples.content(shoe, runs=1)
-    titles = [picture.title for picture in channel_pictures(content)]
-    assert titles[:2] == ["Gains and offsets, force channels", "Gains and offsets, torque channels"]
-    units = "".join(read_svg(channel_pictures(content)[1].svg).itertext())
-    assert "|gain| (N m/V)" in units
+    told = " ".join(" ".join(row) for row in channels_table(content).rows)
+    assert "N m/V" in told
+    assert "N/V" in told
     newtons = replace(content, shoe=replace(shoe, unit="N"))
-    assert "|gain| (1)" in "".join(read_svg(channel_pictures(newtons)[1].svg).itertext())
+    assert "/V" not in " ".join(" ".join(row) for row in channels_table(newtons).rows)

@@ -19,11 +19,9 @@ from shoecal_core.manual.calibrate import (
     calibrate_cells,
     calibrate_shoe,
 )
-from shoecal_core.report.figures.cells import CellLine, cell_residuals
+from shoecal_core.report.figures.tracks import ChannelTrack, tracks
 from shoecal_core.report.html import render
-from shoecal_core.report.manual_content import ManualReport
-from shoecal_core.report.manual_figures import known_loads
-from shoecal_core.report.manual_report import manual_page, manual_report
+from shoecal_core.report.manual_report import ManualReport, known_loads, manual_page, manual_report
 from shoecal_core.report.quantities import mean_error
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.workflows.simulated_manual import simulate_manual
@@ -58,8 +56,8 @@ def test_a_whole_report(content: ManualReport, tmp_path: Path) -> None:
     manual_report(path, content)
     html = path.read_text(encoding="utf-8")
     document = read(html)
-    # Force, CoP before and after of each shoe; gains, and the cells of each shoe.
-    assert document.tags["svg"] == 2 * 3 + 1 + 2
+    # Force, CoP before and after of each shoe; the cells of each shoe.
+    assert document.tags["svg"] == 2 * 3 + 2
     assert not re.search(r"https?:", html)
     for foot in content.feet:
         assert spaced(mean_error(foot.grf, "mN", 1e3)) in document.text
@@ -113,9 +111,9 @@ def test_places_are_those_of_the_holes(content: ManualReport) -> None:
 
 
 def test_cells_about_their_lines() -> None:
-    cells = [CellLine(f"left/{n}", np.arange(3.0), 1e-3 * np.arange(3.0)) for n in range(9)]
-    root = read_svg(cell_residuals(cells))
-    assert "left/8 2.0" in root.attrib["aria-label"]
+    cells = [ChannelTrack(f"left/{n}", np.arange(3.0), np.arange(3.0)) for n in range(9)]
+    root = read_svg(tracks(cells, "mass on the cell (kg)", "Δ force (mN)"))
+    assert "left/8 0, 1, 2" in root.attrib["aria-label"]
     assert {"left/0", "mass on the cell (kg)"} <= set(root.itertext())
 
 

@@ -7,8 +7,8 @@ import pytest
 
 from core.report import plans
 from shoecal_core.planning.support_phase import SupportPhase
-from shoecal_core.report.plan_body import moved, polygons
 from shoecal_core.report.plan_content import PlannedMotion
+from shoecal_core.report.plan_figures import moved, polygons
 
 
 def test_on_both_feet_the_world_is_the_left_sole() -> None:

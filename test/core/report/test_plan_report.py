@@ -20,9 +20,8 @@ from shoecal_core.errors import FileError, ShapeError
 from shoecal_core.planning.checking.findings import Report
 from shoecal_core.report.html import render
 from shoecal_core.report.page import Player
-from shoecal_core.report.plan_animation import animation, lifted
 from shoecal_core.report.plan_content import PlannedMotion
-from shoecal_core.report.plan_figures import motion_pictures
+from shoecal_core.report.plan_figures import animation, lifted, motion_pictures
 from shoecal_core.report.plan_report import Unplanned, plan_page, verdict, write_plan
 from shoecal_core.report.player import PlayerFrames, PlayerView
 from shoecal_core.robot.double_support import DoubleSupport
@@ -142,7 +141,7 @@ def test_files_that_stand_by_themselves(tmp_path: Path) -> None:
     root = ElementTree.fromstring(text)
     assert root.tag == f"{SVG}svg"
     assert "as planned" in root.attrib["aria-label"]
-    assert len([one for one in root.iter(f"{SVG}svg") if one is not root]) == 6
+    assert len([one for one in root.iter(f"{SVG}svg") if one is not root]) == 5
     assert all(one.get("href", "#").startswith("#") for one in root.iter())
     assert "A plan, computed from the robot’s model; nothing was measured." in set(root.itertext())
     read((tmp_path / "plan.html").read_text())

@@ -7,10 +7,7 @@ from shoecal_core.estimation.comparison import read_truths
 from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.recording.session import Session
 from shoecal_core.report.calibration_report import calibration_page
-from shoecal_core.report.page import StillStrip
 from shoecal_core.report.quantities import true_minus
-from shoecal_core.report.run_strip import run_strip
-from shoecal_core.report.scene.offscreen import tried
 from shoecal_core.report.session_report import SNAPSHOTS, session_content, write_session_report
 
 
@@ -38,16 +35,6 @@ def test_what_to_plan_with_comes_first(session: Session, outcome: CalibrationOut
         "expected CoP error, right foot", "CoP error against the model",
         "GRF error against the model",
     ]  # fmt: skip
-
-
-def test_a_training_run_is_pictured_beside_the_first_of_them(
-    session: Session, outcome: CalibrationOutcome
-) -> None:
-    content = session_content(session, outcome)
-    assert not content.runs[0].test
-    strip = tried(lambda: run_strip(content))
-    if isinstance(strip, StillStrip):
-        assert strip.title == f"The robot in run {content.runs[0].run}"
 
 
 def test_truths_are_used_only_when_given(session: Session, outcome: CalibrationOutcome) -> None:

@@ -14,7 +14,7 @@ from shoecal_core.cli.calibrate_command import to_json
 from shoecal_core.estimation.joint import of_joint
 from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.recording.session import Session
-from shoecal_core.report.error_source_names import source_name
+from shoecal_core.report.assessment import source_name
 from shoecal_core.report.session_report import write_session_report
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.workflows.calibrate import calibrate_session

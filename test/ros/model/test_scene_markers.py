@@ -10,8 +10,8 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from core.shoe import shoes
 from ros.bodies import nao
-from shoecal_core.report.scene.body import CELL
 from shoecal_core.robot.kinematics import Kinematics
+from shoecal_ros.model.body_shapes import CELL
 from shoecal_ros.model.scene_markers import (
     BAD,
     FORCE_HEIGHT,

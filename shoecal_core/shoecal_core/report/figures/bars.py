@@ -12,7 +12,7 @@ from matplotlib.patches import Patch
 
 from shoecal_core.estimation.metrics import Mae
 from shoecal_core.report.palette import INK, MUTED, Look
-from shoecal_core.report.svg import SMALL, canvas, readable
+from shoecal_core.report.svg import SMALL, area_key, canvas, readable, y_label
 
 HEIGHT, GAP, TOP = 128.0, 24.0, 40.0
 MOST_LABELLED = 10
@@ -70,8 +70,7 @@ def mae_bars(bars: Sequence[Bar], marks: Sequence[BarMark] = ()) -> str:
                 ends = [(slots[i], scale * (found[i].mean + found[i].std))
                         for i in (mark.first, mark.second)]  # fmt: skip
                 _bracket(axes, ends, mark.cop if row else mark.grf, top)
-            axes.set_ylabel(label)
-            axes.yaxis.set_label_coords(-0.115, 0.5)
+            y_label(axes, label)
             axes.set_xticks(_centres(bars, slots, groups), [readable(one, 20) for one in groups])
             axes.tick_params(axis="x", length=0.0, labelcolor=INK.light)
         return page.svg(_alt(bars, marks))
@@ -133,10 +132,7 @@ def _bracket(axes: Axes, ends: Sequence[tuple[float, float]], text: str, top: fl
 
 def _colour_keys(bars: Sequence[Bar]) -> list[Artist]:
     looks = {bar.label: bar.look for bar in bars}
-    return [
-        Patch(facecolor=look.colour.light, edgecolor="none", label=readable(label))
-        for label, look in looks.items()
-    ]
+    return [area_key(look.colour, label) for label, look in looks.items()]
 
 
 def _set_keys(bars: Sequence[Bar]) -> list[Artist]:

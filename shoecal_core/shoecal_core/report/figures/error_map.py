@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import shapely
@@ -13,16 +14,20 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from shoecal_core.errors import ShapeError
-from shoecal_core.report.figures.plane import FootShape, shape_keys
+from shoecal_core.report.figures.feet import (
+    LEFT,
+    RIGHT,
+    Above,
+    FootShape,
+    around,
+    from_above,
+    shape_keys,
+)
 from shoecal_core.report.palette import INK, MUTED, SIZES, SOLE
-from shoecal_core.report.svg import SMALL, TEXT, WIDTH, Canvas, canvas, readable
+from shoecal_core.report.svg import SMALL, WIDTH, Canvas, readable
 
 FloatArray = NDArray[np.float64]
 
-LEFT, RIGHT, TOP, BOTTOM, GAP = 50.0, 8.0, 66.0, 36.0, 30.0
-TITLE = 16.0
-MARGIN_MM = 8.0
-HIGHEST = 250.0
 RASTER = 61
 """Points of the drawn map along each axis."""
 LEAST_SPAN_MM = 0.5
@@ -83,28 +88,9 @@ def error_map(maps: Sequence[ErrorMap], levels: FloatArray) -> str:
         maps: one a panel.
         levels: (c,) borders of the colours; see `common_levels` [mm].
     """
-    extents = [_extent(one) for one in maps]
-    span = np.max([high - low for low, high in extents], axis=0)
-    width = (WIDTH - LEFT - RIGHT - GAP * (len(maps) - 1)) / len(maps)
-    scale = min(width / span[1], HIGHEST / span[0])
-    height = scale * span[0]
-    with canvas(TOP + TITLE + height + BOTTOM) as page:
-        page.legend(shape_keys(), left=LEFT - 6.0)
-        _colour_bar(page, levels)
-        for index, (one, (low, high)) in enumerate(zip(maps, extents, strict=True)):
-            left = LEFT + index * (width + GAP)
-            axes = page.panel(TOP + TITLE, height, left=left, right=left + width)
-            _draw(axes, one, levels)
-            middle, half = (low + high) / 2.0, np.array([height, width]) / scale / 2.0
-            axes.set_ylim(middle[0] - half[0], middle[0] + half[0])
-            axes.set_xlim(middle[1] + half[1], middle[1] - half[1])
-            axes.locator_params(nbins=5)
-            axes.set_title(readable(one.label, 36), pad=4.0, fontsize=TEXT)
-            axes.set_xlabel("y, to the left (mm)" if len(maps) == 1 else "y (mm)")
-            if index == 0:
-                axes.set_ylabel("x, forward (mm)")
-                axes.yaxis.set_label_coords(-38.0 / width, 0.5)
-        return page.svg(f"Expected error of the CoP seen from above. {_summary(maps)}.")
+    panels = [Above(*_extent(one), partial(_draw, one, levels), one.label) for one in maps]
+    alt = f"Expected error of the CoP seen from above. {_summary(maps)}."
+    return from_above(panels, [shape_keys()], alt, tallest=250.0, band=partial(_colour_bar, levels))
 
 
 def _summary(maps: Sequence[ErrorMap]) -> str:
@@ -117,20 +103,15 @@ def _summary(maps: Sequence[ErrorMap]) -> str:
 
 
 def _extent(one: ErrorMap) -> tuple[FloatArray, FloatArray]:
-    """Lowest and highest (x, y) of soles and places [mm]."""
-    points = np.vstack(
-        [1e3 * foot.outline for foot in one.feet]
-        + [1e3 * foot.cells for foot in one.feet]
-        + [one.known[:, :2]]
-    )
-    return points.min(axis=0) - MARGIN_MM, points.max(axis=0) + MARGIN_MM
+    soles = [points for foot in one.feet for points in (foot.outline, foot.cells)]
+    return around([*soles, 1e-3 * one.known[:, :2]])
 
 
-def _colour_bar(page: Canvas, levels: FloatArray) -> None:
+def _colour_bar(levels: FloatArray, page: Canvas, top: float) -> None:
     """What the colours mean."""
     colours = _colours(levels)
-    page.write(LEFT, 32.0, "CoP error (mm)", fontsize=SMALL, va="center")
-    bar = page.panel(27.0, 10.0, left=LEFT + 88.0, right=WIDTH - RIGHT - 10.0)
+    page.write(LEFT, top + 6.0, "CoP error (mm)", fontsize=SMALL, va="center")
+    bar = page.panel(top + 1.0, 10.0, left=LEFT + 88.0, right=WIDTH - RIGHT - 10.0)
     for index, colour in enumerate(colours):
         bar.axvspan(index, index + 1, facecolor=colour, edgecolor="none", linewidth=0.0)
     bar.set_xlim(0.0, len(colours))
@@ -139,8 +120,7 @@ def _colour_bar(page: Canvas, levels: FloatArray) -> None:
     bar.set_xticks(range(len(levels)), [f"{level:.4g}" for level in levels])
     bar.tick_params(axis="x", length=0.0, pad=2.0, labelcolor=INK.light)
     bar.grid(visible=False)
-    for side in bar.spines.values():
-        side.set_visible(False)
+    bar.spines[:].set_visible(False)
 
 
 def _colours(levels: FloatArray) -> list[str]:
@@ -152,7 +132,7 @@ def _colours(levels: FloatArray) -> list[str]:
     return [SIZES[index].light for index in chosen]
 
 
-def _draw(axes: Axes, one: ErrorMap, levels: FloatArray) -> None:
+def _draw(one: ErrorMap, levels: FloatArray, axes: Axes, _: float) -> None:
     axes.grid(visible=False)
     for foot in one.feet:
         axes.add_patch(Polygon(1e3 * foot.outline[:, ::-1], facecolor=SOLE.light, edgecolor="none"))

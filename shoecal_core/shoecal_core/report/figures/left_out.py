@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from matplotlib.patches import Patch
-
 from shoecal_core.report.palette import INK, RULE, STEPS
-from shoecal_core.report.svg import canvas, readable
+from shoecal_core.report.svg import LINE, area_key, canvas, readable
 
-ROW, LINE, BOTTOM = 20.0, 17.0, 34.0
+ROW, BOTTOM = 20.0, 34.0
 PER_LINE = 3
 """Entries in one line of the legend."""
 APART = 3
@@ -38,20 +36,15 @@ class RunSpan:
 def left_out_in_time(runs: Sequence[RunSpan]) -> str:
     """One line a run: what counts, and what was left out for which cause."""
     causes = list(dict.fromkeys(cause for run in runs for cause in run.stretches))
-    colours = {cause: STEPS[APART * index % len(STEPS)].light for index, cause in enumerate(causes)}
-    keys = [Patch(facecolor=RULE.light, edgecolor="none", label="counts")]
-    keys += [
-        Patch(facecolor=colour, edgecolor="none", label=readable(cause))
-        for cause, colour in colours.items()
-    ]
-    lines = [keys[start : start + PER_LINE] for start in range(0, len(keys), PER_LINE)]
-    top = LINE * len(lines) + 8.0
+    colours = {cause: STEPS[APART * index % len(STEPS)] for index, cause in enumerate(causes)}
+    keys = [area_key(RULE, "counts")]
+    keys += [area_key(colour, cause) for cause, colour in colours.items()]
+    top = LINE * -(-len(keys) // PER_LINE) + 8.0
     height = ROW * len(runs)
     left = 14.0 + 5.6 * max(len(run.label) for run in runs)
     low, high = min(run.start for run in runs), max(run.end for run in runs)
     with canvas(top + height + BOTTOM) as page:
-        for index, line in enumerate(lines):
-            page.legend(line, left=left - 6.0, top=LINE * index)
+        page.legends(keys, PER_LINE, left=left - 6.0)
         axes = page.panel(top, height, left=left)
         axes.grid(visible=False, axis="y")
         least = LEAST_SHOWN * (high - low)
@@ -61,7 +54,7 @@ def left_out_in_time(runs: Sequence[RunSpan]) -> str:
             for cause, found in run.stretches.items():
                 axes.broken_barh(
                     [(start, max(end - start, least)) for start, end in found],
-                    (row - 0.25, 0.5), facecolors=colours[cause], edgecolor="none",
+                    (row - 0.25, 0.5), facecolors=colours[cause].light, edgecolor="none",
                 )  # fmt: skip
         axes.set_xlim(low, high)
         axes.set_ylim(len(runs) - 0.4, -0.6)

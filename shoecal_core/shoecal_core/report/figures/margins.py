@@ -5,17 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 
 from shoecal_core.planning.checking.findings import ConstraintMargin
-from shoecal_core.report.palette import FAIL, INK, MUTED, SOLE, TEAL
+from shoecal_core.report.figures.named_bars import NamedBar, named_bars
+from shoecal_core.report.palette import FAIL, TEAL
 from shoecal_core.report.quantities import SPACE, number
-from shoecal_core.report.svg import SMALL, WIDTH, canvas, readable
+from shoecal_core.report.svg import readable
 
-ROW, TOP, BOTTOM = 30.0, 22.0, 38.0
-SHOWN = 1.08
-"""Share of a limit at which a bar ends; whatever is further is as bad."""
 SCALES = {
     "m": ("mm", 1e3),
     "m/s": ("mm/s", 1e3),
@@ -53,35 +49,15 @@ def margin_text(finding: ConstraintMargin) -> str:
 
 def margins(findings: Sequence[ConstraintMargin]) -> str:
     """One bar a constraint, tightest first; its name, value and limit stand above it."""
-    findings = sorted(findings, key=used, reverse=True)
-    height = ROW * len(findings)
-    with canvas(TOP + height + BOTTOM) as page:
-        page.legend(_keys())
-        axes = page.panel(TOP, height, left=6.0, right=WIDTH - 10.0)
-        axes.grid(visible=False)
-        axes.spines["left"].set_visible(False)
-        rows = np.arange(len(findings))
-        shares = np.array([min(used(finding), SHOWN) for finding in findings])
-        colours = [(TEAL if finding.kept else FAIL).light for finding in findings]
-        axes.barh(rows, np.full(len(rows), 1.0), 0.26, color=SOLE.light, edgecolor="none")
-        axes.barh(rows, shares, 0.26, color=colours, edgecolor="none")
-        axes.vlines(np.ones(len(rows)), rows - 0.2, rows + 0.2, color=INK.light, linewidth=1.4)
-        axes.set_ylim(len(rows) - 0.6, -0.78)
-        axes.set_yticks([])
-        axes.set_xlim(0.0, SHOWN)
-        axes.set_xticks([0.0, 0.25, 0.5, 0.75, 1.0], ["0", "25", "50", "75", "100"])
-        axes.set_xlabel("part of the limit used (%)")
-        for row, finding in enumerate(findings):
-            top = TOP + height * (row + 0.78 - 0.24) / (len(rows) + 0.18)
-            page.write(6.0, top, _name(finding), va="bottom", fontsize=SMALL)
-            colour = MUTED if finding.kept else FAIL
-            page.write(WIDTH - 10.0, top, margin_text(finding), ha="right", va="bottom",
-                       fontsize=SMALL, color=colour.light)  # fmt: skip
-        listed = "; ".join(f"{finding.constraint} {margin_text(finding)}" for finding in findings)
-        return page.svg(f"Worst value of each constraint over the motion: {listed}.")
+    bars = [
+        NamedBar(short_name(one), margin_text(one), used(one), TEAL if one.kept else FAIL,
+                 "part of the limit used" if one.kept else "violated")
+        for one in sorted(findings, key=used, reverse=True)
+    ]  # fmt: skip
+    return named_bars(bars, "Worst value of each constraint over the motion", "limit of the check")
 
 
-def _name(finding: ConstraintMargin) -> str:
+def short_name(finding: ConstraintMargin) -> str:
     """Short enough to leave room for the numbers."""
     names = {
         "distance of the CoP from the edge of the sensing polygon": "CoP from the hull's edge",
@@ -101,11 +77,3 @@ def _decimals(limit: float) -> int:
     if limit <= 0.0 or not np.isfinite(limit):
         return 2
     return int(np.clip(2 - np.floor(np.log10(limit)), 0, 4))
-
-
-def _keys() -> list[Patch | Line2D]:
-    return [
-        Patch(facecolor=TEAL.light, edgecolor="none", label="kept"),
-        Patch(facecolor=FAIL.light, edgecolor="none", label="violated"),
-        Line2D([], [], color=INK.light, linewidth=1.0, label="limit of the check"),
-    ]

@@ -98,7 +98,7 @@ def snapshots(skeletons: Sequence[Skeleton], times: Sequence[float]) -> str:
     scale = min(0.92 * width / max(span[0], span[1]), 150.0 / span[2])
     height = scale * span[2]
     with canvas(top + 2 * height + gap + 16.0) as page:
-        page.legend([*_leg_keys(), _com_key()], left=0.0)
+        page.legend([*leg_keys(), _com_key()], left=0.0)
         for view, across in enumerate((0, 1)):
             panel_top = top + view * (height + gap)
             axes = page.panel(panel_top, height, left=0.0, right=WIDTH)
@@ -144,7 +144,8 @@ def _draw(axes: Axes, body: Skeleton, across: int, shift: float) -> None:
     axes.plot((x,), (height,), "o", color=MUTED.light, markersize=5.0)
 
 
-def _leg_keys() -> list[Line2D]:
+def leg_keys() -> list[Line2D]:
+    """Legend entries of both legs."""
     return [
         Line2D([], [], color=SIDES[side].light, linewidth=2.2, label=label)
         for side, label in ((LEFT_SIDE, "left leg"), (RIGHT_SIDE, "right leg"))

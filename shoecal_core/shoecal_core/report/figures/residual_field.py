@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,15 +12,20 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
-from shoecal_core.report.figures.plane import FootShape, draw_feet, shape_keys
+from shoecal_core.report.figures.feet import (
+    LEFT,
+    Above,
+    FootShape,
+    around,
+    draw_feet,
+    from_above,
+    shape_keys,
+)
 from shoecal_core.report.palette import BLUE, INK, MUTED, SOLE, Look
-from shoecal_core.report.svg import SMALL, TEXT, WIDTH, canvas, line_key, readable
+from shoecal_core.report.svg import SMALL, Canvas, line_key, readable
 
 FloatArray = NDArray[np.float64]
 
-LEFT, RIGHT, BOTTOM, TOP, GAP = 50.0, 8.0, 36.0, 46.0, 30.0
-MARGIN_MM = 10.0
-TALLEST = 270.0
 LONGEST_MM = 20.0
 """Of the arrows that are drawn, but for the longest in twenty."""
 LONGEST_OF_NOISE_MM = 5.0
@@ -28,16 +34,18 @@ BUBBLE_MM = 7.0
 
 
 @dataclass(frozen=True)
-class Arrows:
-    """Means over small squares.
+class Field:
+    """A residual over places, k squares of a grid.
 
     Attributes:
-        places: (k, 2) where [m].
-        vectors: (k, 2) how far off there [m].
+        places: (k, 2) middle of the samples in each square [m].
+        arrows: (k, 2) mean CoP residual there [m].
+        force: (k,) mean GRF residual there [N].
     """
 
     places: FloatArray
-    vectors: FloatArray
+    arrows: FloatArray
+    force: FloatArray
 
 
 @dataclass(frozen=True)
@@ -46,25 +54,23 @@ class SoleOutline:
 
     Attributes:
         shape: of it, in the frame of the panel.
-        arrows: over it.
-        force: (k,) force that is too much at each arrow's place [N]; empty: not drawn.
+        field: over it.
         shares: text at each cell (place, text).
     """
 
     shape: FootShape
-    arrows: Arrows
-    force: FloatArray
+    field: Field
     shares: tuple[tuple[FloatArray, str], ...] = ()
 
 
-def magnification(fields: Sequence[Arrows], noise: float) -> float:
+def magnification(fields: Sequence[Field], noise: float) -> float:
     """How many times longer than true arrows are drawn; the same for all figures of one kind.
 
     Args:
         fields: to be drawn.
         noise: standard deviation of one sample [m]; it is never blown up to a long arrow.
     """
-    lengths = np.concatenate([np.linalg.norm(one.vectors, axis=1) for one in fields])
+    lengths = np.concatenate([np.linalg.norm(one.arrows, axis=1) for one in fields])
     if not len(lengths) or not lengths.any():
         return 1.0
     most = 1e-3 * LONGEST_OF_NOISE_MM / noise if noise > 0.0 else np.inf
@@ -74,37 +80,30 @@ def magnification(fields: Sequence[Arrows], noise: float) -> float:
 
 
 def field_between(
-    left: FootShape, rights: Sequence[FootShape], arrows: Arrows, look: Look, times: float
+    left: FootShape, rights: Sequence[FootShape], field: Field, look: Look, times: float
 ) -> str:
     """Arrows between the feet, seen from above.
 
     Args:
         left: the left foot.
         rights: the right foot wherever it stood, in the left sole's frame.
-        arrows: in the same frame.
-        look: of them.
+        field: in the same frame.
+        look: of the arrows.
         times: see `magnification`.
     """
-    feet = [left, *rights]
-    low, high = _extent([*(foot.outline for foot in feet), arrows.places])
-    width = WIDTH - LEFT - RIGHT
-    scale = min(width / (high[1] - low[1]), TALLEST / (high[0] - low[0]))
-    height = scale * (high[0] - low[0])
-    with canvas(TOP + height + BOTTOM) as page:
-        page.legend([_arrow_key(look, times)], left=LEFT - 6.0)
-        page.legend(shape_keys(), left=LEFT - 6.0, top=18.0)
-        axes = page.panel(TOP, height, left=LEFT)
+
+    def draw(axes: Axes, _: float) -> None:
+        """Feet, then arrows."""
         draw_feet(axes, rights[:1], named=False)
         for foot in rights[1:]:
             axes.add_patch(Polygon(1e3 * foot.outline[:, ::-1], facecolor="none",
                                    edgecolor=MUTED.light, linewidth=0.5))  # fmt: skip
         draw_feet(axes, [left], named=False)
-        _quiver(axes, arrows, look, times)
-        _frame(axes, (low + high) / 2.0, np.array([height, width]) / scale / 2.0)
-        axes.set_ylabel("x, forward (mm)")
-        axes.yaxis.set_label_coords(-38.0 / width, 0.5)
-        axes.set_xlabel("y, to the left (mm)")
-        return page.svg(f"CoP error seen from above. {_summary(arrows)}")
+        _quiver(axes, field, look, times)
+
+    extent = around([*(foot.outline for foot in (left, *rights)), field.places])
+    alt = f"CoP error seen from above. {_summary(field)}"
+    return from_above([Above(*extent, draw)], [[_arrow_key(look, times)], shape_keys()], alt)
 
 
 def field_under_feet(soles: Sequence[SoleOutline], look: Look, times: float, largest: float) -> str:
@@ -116,46 +115,41 @@ def field_under_feet(soles: Sequence[SoleOutline], look: Look, times: float, lar
         times: see `magnification`.
         largest: force error of the largest bubble [N].
     """
-    boxes = [_extent([one.shape.outline, one.shape.cells]) for one in soles]
-    span = np.max([high - low for low, high in boxes], axis=0)
-    width = (WIDTH - LEFT - RIGHT - GAP * (len(soles) - 1)) / len(soles)
-    scale = min(width / span[1], TALLEST / span[0])
-    height = scale * span[0]
-    with canvas(TOP + 34.0 + height + BOTTOM) as page:
-        page.legend([_arrow_key(look, times)], left=LEFT - 6.0)
-        page.legend(shape_keys(), left=LEFT - 6.0, top=17.0)
+
+    def draw(one: SoleOutline, axes: Axes, scale: float) -> None:
+        """The foot, bubbles, arrows, shares."""
+        draw_feet(axes, [one.shape], named=False)
         if largest > 0.0:
-            page.write(LEFT, TOP + 4.0, f"largest circle: GRF off by {largest:.2g} N; "
+            _bubbles(axes, one, largest, scale)
+        _quiver(axes, one.field, look, times)
+        for place, text in one.shares:
+            _share(axes, place, text)
+
+    def band(page: Canvas, top: float) -> None:
+        """What the bubbles mean."""
+        if largest > 0.0:
+            page.write(LEFT, top + 8.0, f"largest circle: GRF off by {largest:.2g} N; "
                        "filled: too much, empty: too little", fontsize=SMALL)  # fmt: skip
-        top = TOP + 34.0
-        for index, (one, (low, high)) in enumerate(zip(soles, boxes, strict=True)):
-            left = LEFT + index * (width + GAP)
-            axes = page.panel(top, height, left=left, right=left + width)
-            draw_feet(axes, [one.shape], named=False)
-            if largest > 0.0:
-                _bubbles(axes, one, largest, scale)
-            _quiver(axes, one.arrows, look, times)
-            for place, text in one.shares:
-                _share(axes, place, text)
-            _frame(axes, (low + high) / 2.0, np.array([height, width]) / scale / 2.0)
-            axes.set_title(f"{readable(one.shape.label)} foot", pad=4.0, fontsize=TEXT)
-            axes.set_xlabel("y (mm)")
-            if index == 0:
-                axes.set_ylabel("x, forward (mm)")
-                axes.yaxis.set_label_coords(-38.0 / width, 0.5)
-        listed = " ".join(f"{one.shape.label}: {_summary(one.arrows)}" for one in soles)
-        return page.svg(f"CoP and GRF error under each foot. {listed}")
+
+    panels = [
+        Above(*around([one.shape.outline, one.shape.cells]), partial(draw, one),
+              f"{one.shape.label} foot")
+        for one in soles
+    ]  # fmt: skip
+    listed = " ".join(f"{one.shape.label}: {_summary(one.field)}" for one in soles)
+    alt = f"CoP and GRF error under each foot. {listed}"
+    return from_above(panels, [[_arrow_key(look, times)], shape_keys()], alt, band=band)
 
 
 def _arrow_key(look: Look, times: float) -> Line2D:
     return line_key(look, f"CoP error, {times:g} × as long")
 
 
-def _quiver(axes: Axes, arrows: Arrows, look: Look, times: float) -> None:
-    if not len(arrows.places):
+def _quiver(axes: Axes, field: Field, look: Look, times: float) -> None:
+    if not len(field.places):
         return
-    x, y = 1e3 * arrows.places.T
-    u, v = 1e3 * times * arrows.vectors.T
+    x, y = 1e3 * field.places.T
+    u, v = 1e3 * times * field.arrows.T
     axes.quiver(y, x, v, u, angles="xy", scale_units="xy", scale=1.0, color=look.colour.light,
                 width=1.6, units="dots", headwidth=3.6, headlength=4.0, headaxislength=3.6,
                 minlength=0.5, zorder=3.0)  # fmt: skip
@@ -163,9 +157,9 @@ def _quiver(axes: Axes, arrows: Arrows, look: Look, times: float) -> None:
 
 def _bubbles(axes: Axes, one: SoleOutline, largest: float, scale: float) -> None:
     """Areas are in proportion to forces."""
-    x, y = 1e3 * one.arrows.places.T
-    sizes = np.abs(one.force) / largest * (BUBBLE_MM * scale) ** 2
-    for chosen, face in ((one.force >= 0.0, BLUE.light), (one.force < 0.0, "none")):
+    x, y = 1e3 * one.field.places.T
+    sizes = np.abs(one.field.force) / largest * (BUBBLE_MM * scale) ** 2
+    for chosen, face in ((one.field.force >= 0.0, BLUE.light), (one.field.force < 0.0, "none")):
         axes.scatter(y[chosen], x[chosen], s=sizes[chosen], facecolor=face, edgecolor=BLUE.light,
                      linewidth=0.7, alpha=0.55, zorder=2.0)  # fmt: skip
 
@@ -177,19 +171,8 @@ def _share(axes: Axes, place: FloatArray, text: str) -> None:
                   bbox={"facecolor": SOLE.light, "edgecolor": "none", "pad": 1.0})  # fmt: skip
 
 
-def _frame(axes: Axes, middle: FloatArray, half: FloatArray) -> None:
-    axes.set_ylim(middle[0] - half[0], middle[0] + half[0])
-    axes.set_xlim(middle[1] + half[1], middle[1] - half[1])
-    axes.locator_params(nbins=5)
-
-
-def _extent(points: Sequence[FloatArray]) -> tuple[FloatArray, FloatArray]:
-    every = 1e3 * np.vstack(points)
-    return every.min(axis=0) - MARGIN_MM, every.max(axis=0) + MARGIN_MM
-
-
-def _summary(arrows: Arrows) -> str:
-    lengths = 1e3 * np.linalg.norm(arrows.vectors, axis=1)
+def _summary(field: Field) -> str:
+    lengths = 1e3 * np.linalg.norm(field.arrows, axis=1)
     if not len(lengths):
         return "No sample."
     return (

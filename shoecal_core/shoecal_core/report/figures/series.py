@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.estimation.series import Series
 from shoecal_core.report.palette import INK, MUTED, Look
-from shoecal_core.report.svg import canvas, draw_line, line_key, readable
+from shoecal_core.report.svg import canvas, draw_line, line_key, readable, y_label
 
 FloatArray = NDArray[np.float64]
 
@@ -94,8 +94,7 @@ def grf_in_time(lines: Sequence[Line], weight: float, *, least: float = LEAST[2]
         margin = 0.06 * (high - low) + max(0.0, (least - (high - low)) / 2.0)
         axes.set_ylim(low - margin, high + margin)
         axes.set_xlim(*_bounds(np.concatenate([line.series.time for line in lines])))
-        axes.set_ylabel(LABELS[2])
-        axes.yaxis.set_label_coords(-0.115, 0.5)
+        y_label(axes, LABELS[2])
         axes.locator_params(axis="y", nbins=5)
         axes.set_xlabel("time (s)")
         return page.svg(f"GRF [N] against time [s] around {weight:.2f} N: {_named(lines)}.")
@@ -123,8 +122,7 @@ def _panels(
                 draw_line(axes, line.series.time, values[row], line.look)
             _frame(axes, [values[row] for _, values in drawn], LEAST[row])
             axes.set_xlim(*_bounds(np.concatenate([line.series.time for line, _ in drawn])))
-            axes.set_ylabel(label)
-            axes.yaxis.set_label_coords(-0.115, 0.5)
+            y_label(axes, label)
             axes.locator_params(axis="y", nbins=5)
             axes.tick_params(labelbottom=row == len(labels) - 1)
         axes.set_xlabel("time (s)")

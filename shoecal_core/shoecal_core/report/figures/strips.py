@@ -1,4 +1,4 @@
-"""Many lines against time, each in a strip of its own between its limits."""
+"""Many lines against time, each in a strip of its own."""
 
 from __future__ import annotations
 
@@ -6,108 +6,122 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from shoecal_core.errors import ShapeError
-from shoecal_core.report.palette import FAIL, INK, MUTED, SOLE, Colour, Look
-from shoecal_core.report.svg import SMALL, WIDTH, canvas, draw_line, line_key, readable
+from shoecal_core.report.palette import FAIL, INK, MUTED, RULE, SOLE, WARN, Look
+from shoecal_core.report.svg import LINE, SMALL, WIDTH, canvas, draw_line, readable
 
 FloatArray = NDArray[np.float64]
 
-ROW, GAP, TOP, BOTTOM = 17.0, 5.0, 40.0, 36.0
-NUMBERS = 74.0
+GAP, BOTTOM = 5.0, 36.0
+PER_LINE = 3
+"""Entries in one line of the legend."""
+NUMBERS = 80.0
 """Room for a strip's figures, right of it."""
 
 
 @dataclass(frozen=True)
 class Strip:
-    """One quantity against time.
+    """Lines of one quantity against time.
 
     Attributes:
         label: left of it.
-        look: of its line.
-        values: (T,).
-        low, high: the strip's lower and upper edge.
-        limits: drawn across it.
+        time: (T,) [s].
+        lines: look and values (T,) of each; the first one drawn first.
+        low, high: the strip's lower and upper edge; lines end there.
         number: the one that counts most, with unit, right of it.
-        worst: sample that this number is of.
+        limits: drawn across it.
+        band: shaded from and to; None: all of it.
+        worst: sample of the first line that the number is of.
         kept: whether the number is as it should be.
+        lifted: stretches in which a foot hangs [s].
+        onsets: when something begins [s].
     """
 
     label: str
-    look: Look
-    values: FloatArray
+    time: FloatArray
+    lines: tuple[tuple[Look, FloatArray], ...]
     low: float
     high: float
-    limits: tuple[float, ...]
     number: str
-    worst: int
+    limits: tuple[float, ...] = ()
+    band: tuple[float, float] | None = None
+    worst: int | None = None
     kept: bool = True
+    lifted: tuple[tuple[float, float], ...] = ()
+    onsets: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        for _, values in self.lines:
+            if values.shape != self.time.shape:
+                raise ShapeError(self.label, str(self.time.shape), values.shape)
 
 
 def strips(
-    time: FloatArray,
-    rows: Sequence[Strip],
-    keys: Sequence[tuple[Look, str]],
-    edges: str,
-    meaning: str,
+    rows: Sequence[Strip], keys: Sequence[Artist], edges: str, meaning: str, tall: float = 17.0
 ) -> str:
     """One strip a row over the same time.
 
     Args:
-        time: (T,) [s].
         rows: from above.
-        keys: looks and what they mean.
+        keys: legend.
         edges: what a strip's edges are, above the strips.
         meaning: what the number right of each strip is.
+        tall: height of a strip in units.
     """
-    for row in rows:
-        if row.values.shape != time.shape:
-            raise ShapeError(row.label, str(time.shape), row.values.shape)
     labels = [readable(row.label, 18) for row in rows]
     left = 10.0 + 5.3 * max(map(len, labels))
-    right = WIDTH - NUMBERS
-    height = (ROW + GAP) * len(rows) - GAP
-    with canvas(TOP + height + BOTTOM) as page:
-        page.legend([line_key(look, name) for look, name in keys])
-        page.write(left, TOP - 7.0, edges, fontsize=SMALL, color=MUTED.light)
-        page.write(WIDTH - 4.0, TOP - 7.0, meaning, ha="right", fontsize=SMALL, color=MUTED.light)
-        axes = page.panel(TOP, height, left=left, right=right)
+    height = (tall + GAP) * len(rows) - GAP
+    first = LINE * -(-len(keys) // PER_LINE) + 23.0
+    with canvas(first + height + BOTTOM) as page:
+        page.legends(keys, PER_LINE)
+        page.write(0.0, first - 7.0, edges, fontsize=SMALL, color=MUTED.light)
+        page.write(WIDTH - 4.0, first - 7.0, meaning, ha="right", fontsize=SMALL, color=MUTED.light)
+        axes = page.panel(first, height, left=left, right=WIDTH - NUMBERS)
         axes.grid(visible=False)
         axes.spines[:].set_visible(False)
         axes.tick_params(axis="x", length=3.0)
         # One panel for all: a panel each takes ten times as long to draw.
         axes.set_ylim(height, 0.0)
-        axes.set_xlim(time[0], time[-1])
+        axes.set_xlim(rows[0].time[0], max(float(row.time[-1]) for row in rows))
         axes.set_yticks([])
         axes.set_xlabel("time (s)")
         for index, (row, label) in enumerate(zip(rows, labels, strict=True)):
-            top = index * (ROW + GAP)
-            _draw(axes, time, row, top)
-            page.write(left - 5.0, TOP + top + ROW / 2.0, label, ha="right", va="center",
-                       fontsize=SMALL)  # fmt: skip
-            page.write(WIDTH - 4.0, TOP + top + ROW / 2.0, row.number, ha="right", va="center",
-                       fontsize=SMALL, color=_mark(row).light)  # fmt: skip
+            top = index * (tall + GAP)
+            _draw(axes, row, top, tall)
+            middle = first + top + tall / 2.0
+            page.write(left - 5.0, middle, label, ha="right", va="center", fontsize=SMALL)
+            page.write(WIDTH - 4.0, middle, row.number, ha="right", va="center", fontsize=SMALL,
+                       color=(INK if row.kept else FAIL).light)  # fmt: skip
         listed = "; ".join(f"{label} {row.number}" for label, row in zip(labels, rows, strict=True))
         return page.svg(f"Against time [s], {edges}; {meaning}: {listed}.")
 
 
-def _draw(axes: Axes, time: FloatArray, row: Strip, top: float) -> None:
+def _draw(axes: Axes, row: Strip, top: float, tall: float) -> None:
     """A strip whose upper edge is at a height, in units."""
 
     def height(values: FloatArray) -> FloatArray:
         """(T,) heights of values on the page."""
-        return top + ROW * (row.high - values) / (row.high - row.low)
+        inside = np.clip(values, row.low, row.high)
+        return np.asarray(top + tall * (row.high - inside) / (row.high - row.low))
 
-    axes.axhspan(top, top + ROW, facecolor=SOLE.light, edgecolor="none")
+    ends = (float(row.time[0]), float(row.time[-1]))
+    for start, stop in row.lifted:
+        axes.fill_between((start, stop), top, top + tall, color=RULE.light, linewidth=0.0)
+    lower, upper = height(np.array(row.band or (row.low, row.high)))
+    axes.fill_between(ends, upper, lower, color=SOLE.light, linewidth=0.0)
     for limit in height(np.array(row.limits)):
         axes.axhline(limit, color=MUTED.light, linewidth=0.8, dashes=(3.0, 2.0))
-    values = height(row.values)
-    draw_line(axes, time, values, row.look)
-    axes.plot(time[row.worst], values[row.worst], "o", color=_mark(row).light, markersize=3.0,
-              clip_on=False)  # fmt: skip
-
-
-def _mark(row: Strip) -> Colour:
-    return INK if row.kept else FAIL
+    for look, values in row.lines:
+        draw_line(axes, row.time, height(values), look)
+    if row.worst is not None:
+        axes.plot(row.time[row.worst], height(row.lines[0][1])[row.worst], "o", markersize=3.0,
+                  color=(INK if row.kept else FAIL).light, clip_on=False)  # fmt: skip
+    for onset in row.onsets:
+        axes.plot((onset, onset), (top - GAP / 2.0, top + tall + GAP / 2.0), color=WARN.light,
+                  linewidth=1.6, dashes=(2.0, 1.0), clip_on=False)  # fmt: skip
+        axes.annotate(f"{onset:.1f} s", (onset, top), (3.0, -6.0), textcoords="offset points",
+                      fontsize=SMALL, color=INK.light)  # fmt: skip

@@ -4,27 +4,42 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
-from matplotlib.patches import Circle, Patch, Polygon
+from matplotlib.patches import Circle, Polygon
 from numpy.typing import NDArray
 
-from shoecal_core.report.figures.plane import FootShape, draw_feet
+from shoecal_core.report.figures.feet import (
+    LEFT,
+    Above,
+    FootShape,
+    draw_feet,
+    from_above,
+    polygon_key,
+)
 from shoecal_core.report.palette import CARD, FAIL, INK, MUTED, SLATE, SOLE, STEPS, Look
-from shoecal_core.report.plan_targets import TargetMark
-from shoecal_core.report.svg import SMALL, TEXT, WIDTH, Canvas, canvas, draw_line
+from shoecal_core.report.plan_content import BOTH, PlannedMotion, Stand
+from shoecal_core.report.svg import (
+    SMALL,
+    TEXT,
+    WIDTH,
+    Canvas,
+    area_key,
+    draw_line,
+    line_key,
+    marker_key,
+)
+from shoecal_core.shoe.shoe import FEET
 
 FloatArray = NDArray[np.float64]
 
-LEFT, TOP, BOTTOM = 50.0, 84.0, 36.0
 ROOM = 0.05
 """Around the feet, as part of what is shown."""
 LABEL, LINE, LETTER = 15.0, 4.0, 3.0
 """Units from a landmark to its number; more for a second line and for each further letter."""
-TALLEST = 330.0
 
 
 @dataclass(frozen=True)
@@ -40,83 +55,72 @@ class Swing:
     outline: FloatArray
 
 
-@dataclass(frozen=True)
-class SupportPlan:
-    """What is seen from above, in one frame, x forward, y to the left.
-
-    Attributes:
-        feet: left and right at the start.
-        hulls: (h, 2) each, where the CoP may be [m].
-        marks: the landmarks, in the order of pursuit.
-        radius: within which one counts as reached [m].
-        time: (T,) [s].
-        cop: (T, 2) planned [m].
-        swings: of steps, in their order.
-    """
-
-    feet: Sequence[FootShape]
-    hulls: Sequence[FloatArray]
-    marks: Sequence[TargetMark]
-    radius: float
-    time: FloatArray
-    cop: FloatArray
-    swings: Sequence[Swing] = ()
+def swing(planned: PlannedMotion, stand: Stand) -> Swing:
+    """The way of the foot that does not carry."""
+    foot = 1 - FEET.index(stand.feet)
+    outline = planned.robot.feet[foot].outline
+    middle, samples = outline.mean(axis=0)[None], range(stand.begin, stand.end)
+    way = np.vstack([planned.placed(foot, sample, middle) for sample in samples])
+    return Swing(way, planned.placed(foot, stand.end - 1, outline))
 
 
-def support_plan(plan: SupportPlan) -> str:
-    """The plan from above; colours show the time."""
-    points = np.vstack(
+def support_plan(plan: PlannedMotion) -> str:
+    """A motion from above, in the world; colours show the time."""
+    feet = [
+        FootShape(FEET[side], plan.placed(side, 0, foot.outline),
+                  plan.placed(side, 0, foot.sensing_polygon), np.zeros((0, 2)))
+        for side, foot in enumerate(plan.robot.feet)
+    ]  # fmt: skip
+    swings = [swing(plan, stand) for stand in plan.stands if stand.feet != BOTH]
+    points = 1e3 * np.vstack(
         [
             plan.cop,
-            *(foot.outline for foot in plan.feet),
-            *(swing.outline for swing in plan.swings),
+            *(foot.outline for foot in feet),
+            *(one.outline for one in swings),
             *(mark.place[None] for mark in plan.marks),
         ]
     )
-    low, high = 1e3 * points.min(axis=0), 1e3 * points.max(axis=0)
+    low, high = points.min(axis=0), points.max(axis=0)
     room = ROOM * float((high - low).max())
-    low, high = low - [1.5 * room, room], high + room
-    width = WIDTH - LEFT - 8.0
-    scale = min(width / (high[1] - low[1]), TALLEST / (high[0] - low[0]))
-    height = scale * (high[0] - low[0])
-    spare = width / scale - (high[1] - low[1])
-    with canvas(TOP + height + BOTTOM) as page:
-        page.legend(_shape_keys(plan), left=LEFT - 6.0, top=34.0)
-        page.legend(_path_keys(plan), left=LEFT - 6.0, top=52.0)
-        _time_scale(page, plan.time)
-        axes = page.panel(TOP, height, left=LEFT)
-        draw_feet(axes, plan.feet)
-        for hull in plan.hulls:
-            axes.add_patch(Polygon(1e3 * hull[:, ::-1], facecolor="none", edgecolor=SLATE.light,
-                                   linewidth=1.1, linestyle=(0, (4, 2))))  # fmt: skip
-        for swing in plan.swings:
-            _draw_swing(axes, swing)
-        _draw_path(axes, plan)
-        _draw_marks(axes, plan, scale)
-        axes.set_ylim(low[0], high[0])
-        axes.set_xlim(high[1] + spare / 2.0, low[1] - spare / 2.0)
-        axes.locator_params(nbins=6)
-        axes.set_ylabel("x, forward (mm)")
-        axes.yaxis.set_label_coords(-38.0 / width, 0.5)
-        axes.set_xlabel("y, to the left (mm)")
-        return page.svg(_alt(plan))
+    panel = Above(low - [1.5 * room, room], high + room, partial(_draw, plan, feet, swings))
+    return from_above(
+        [panel], [_shape_keys(swings), _path_keys(plan)], _alt(plan, swings), tallest=330.0,
+        band=partial(_time_scale, plan.motion.time),
+    )  # fmt: skip
 
 
-def _alt(plan: SupportPlan) -> str:
+def _draw(
+    plan: PlannedMotion,
+    feet: Sequence[FootShape],
+    swings: Sequence[Swing],
+    axes: Axes,
+    scale: float,
+) -> None:
+    draw_feet(axes, feet)
+    for hull in plan.hulls:
+        axes.add_patch(Polygon(1e3 * hull[:, ::-1], facecolor="none", edgecolor=SLATE.light,
+                               linewidth=1.1, linestyle=(0, (4, 2))))  # fmt: skip
+    for one in swings:
+        _draw_swing(axes, one)
+    _draw_path(axes, plan)
+    _draw_marks(axes, plan, scale)
+
+
+def _alt(plan: PlannedMotion, swings: Sequence[Swing]) -> str:
     missed = [f"landmark {mark.label}" for mark in plan.marks if mark.missing]
     reached = "; ".join(missed) or "all reached"
     return (
         "Planned motion seen from above: soles, sensing polygons, their hull, "
         f"{len(plan.marks)} landmarks in the order of pursuit ({reached}), and the CoP's path "
-        f"over {plan.time[-1]:.1f} s"
-        + (f", with {len(plan.swings)} ways of a lifted foot." if plan.swings else ".")
+        f"over {plan.motion.time[-1]:.1f} s"
+        + (f", with {len(swings)} ways of a lifted foot." if swings else ".")
     )
 
 
-def _time_scale(page: Canvas, time: FloatArray) -> None:
+def _time_scale(time: FloatArray, page: Canvas, top: float) -> None:
     """A bar of the path's colours with their times."""
-    page.write(LEFT, 12.0, "CoP path by time", fontsize=SMALL, va="center")
-    axes = page.panel(7.0, 9.0, left=LEFT + 88.0, right=WIDTH - 20.0)
+    page.write(LEFT, top + 5.0, "CoP path by time", fontsize=SMALL, va="center")
+    axes = page.panel(top, 9.0, left=LEFT + 88.0, right=WIDTH - 20.0)
     axes.grid(visible=False)
     axes.spines[:].set_visible(False)
     edges = np.linspace(time[0], time[-1], len(STEPS) + 1)
@@ -129,7 +133,7 @@ def _time_scale(page: Canvas, time: FloatArray) -> None:
     axes.tick_params(axis="x", length=0.0, pad=1.5)
 
 
-def _draw_path(axes: Axes, plan: SupportPlan) -> None:
+def _draw_path(axes: Axes, plan: PlannedMotion) -> None:
     x, y = 1e3 * plan.cop.T
     parts = np.array_split(np.arange(len(x)), len(STEPS))
     for colour, part in zip(STEPS, parts, strict=True):
@@ -158,16 +162,16 @@ def _arrow(axes: Axes, points: FloatArray, colour: str) -> None:
     axes.annotate("", (x, y), (x_before, y_before), arrowprops=style, zorder=3.0)
 
 
-def _draw_marks(axes: Axes, plan: SupportPlan, scale: float) -> None:
+def _draw_marks(axes: Axes, plan: PlannedMotion, scale: float) -> None:
     """Rings and numbers; the scale is in units a millimetre."""
     if not plan.marks:
         return
     places = 1e3 * np.array([mark.place for mark in plan.marks])
-    centre = places.mean(axis=0)
+    centre, radius = places.mean(axis=0), 1e3 * plan.settings.landmark_radius
     for mark, place in zip(plan.marks, places, strict=True):
         colour = (FAIL if mark.missing else INK).light
         dashes = (0, (2.5, 1.5)) if mark.missing else "-"
-        axes.add_patch(Circle(place[::-1], 1e3 * plan.radius, facecolor="none", edgecolor=colour,
+        axes.add_patch(Circle(place[::-1], radius, facecolor="none", edgecolor=colour,
                               linewidth=1.2, linestyle=dashes, zorder=4.0))  # fmt: skip
         axes.plot(place[1], place[0], "+", color=colour, markersize=4.0, zorder=4.0)
         away = place - centre
@@ -182,39 +186,32 @@ def _draw_marks(axes: Axes, plan: SupportPlan, scale: float) -> None:
                   fontweight="bold", linespacing=1.1, zorder=5.0)  # fmt: skip
 
 
-def _draw_swing(axes: Axes, swing: Swing) -> None:
-    axes.add_patch(Polygon(1e3 * swing.outline[:, ::-1], facecolor="none", edgecolor=MUTED.light,
+def _draw_swing(axes: Axes, one: Swing) -> None:
+    axes.add_patch(Polygon(1e3 * one.outline[:, ::-1], facecolor="none", edgecolor=MUTED.light,
                            linewidth=1.0, linestyle=(0, (1.5, 1.5))))  # fmt: skip
-    x, y = 1e3 * swing.way.T
+    x, y = 1e3 * one.way.T
     axes.plot(y, x, color=MUTED.light, linewidth=1.4, linestyle=(0, (1.5, 1.5)))
     _arrow(axes, np.column_stack((y, x)), MUTED.light)
 
 
-def _shape_keys(plan: SupportPlan) -> list[Artist]:
+def _shape_keys(swings: Sequence[Swing]) -> list[Artist]:
     keys: list[Artist] = [
-        Patch(facecolor=SOLE.light, edgecolor="none", label="sole"),
-        Patch(facecolor="none", edgecolor=MUTED.light, linewidth=0.9, label="sensing polygon"),
-        Line2D([], [], color=SLATE.light, linewidth=1.1, linestyle=(0, (4, 2)),
-               label="sensing hull"),
-    ]  # fmt: skip
-    if plan.swings:
-        keys.append(Line2D([], [], color=MUTED.light, linewidth=1.4, linestyle=(0, (1.5, 1.5)),
-                           label="lifted foot"))  # fmt: skip
+        area_key(SOLE, "sole"),
+        polygon_key(),
+        line_key(Look(SLATE, 1.1, (4.0, 2.0)), "sensing hull"),
+    ]
+    if swings:
+        keys.append(line_key(Look(MUTED, 1.4, (1.5, 1.5)), "lifted foot"))
     return keys
 
 
-def _path_keys(plan: SupportPlan) -> list[Artist]:
-    def ring(colour: str, label: str) -> Line2D:
-        return Line2D([], [], linestyle="", marker="o", markersize=6.0, markerfacecolor="none",
-                      color=colour, label=label)  # fmt: skip
-
+def _path_keys(plan: PlannedMotion) -> list[Artist]:
     keys: list[Artist] = [
-        Line2D([], [], linestyle="", marker="o", markersize=6.5, markerfacecolor=CARD.light,
-               color=INK.light, markeredgewidth=1.4, label="start"),
-        Line2D([], [], linestyle="", marker="s", markersize=4.5, color=INK.light, label="end"),
-    ]  # fmt: skip
+        marker_key("o", INK, "start", 6.5),
+        marker_key("s", INK, "end", filled=True),
+    ]
     if plan.marks:
-        keys.append(ring(INK.light, "landmark, in order"))
+        keys.append(marker_key("o", INK, "landmark, in order", 6.0))
     if any(mark.missing for mark in plan.marks):
-        keys.append(ring(FAIL.light, "not reached: distance"))
+        keys.append(marker_key("o", FAIL, "not reached: distance", 6.0))
     return keys

@@ -14,12 +14,14 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from shoecal_core.errors import ShapeError
-from shoecal_core.report.scene.shapes import LinkShape, Rgba, disc, prism
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import Shoe
 
 FloatArray = NDArray[np.float64]
+Rgba = tuple[float, float, float, float]
 
+ROUND = 20
+"""Corners of what shall look round."""
 ROOT = 1
 """Index of the floating base among the model's joints."""
 DENSITY = 1300.0
@@ -37,6 +39,27 @@ RIGHT: Rgba = (0.86, 0.42, 0.17, 0.45)
 BODY: Rgba = (0.66, 0.70, 0.75, 1.0)
 PLATE: Rgba = (0.27, 0.31, 0.36, 1.0)
 CELL: Rgba = (0.88, 0.74, 0.30, 1.0)
+
+
+@dataclass(frozen=True)
+class LinkShape:
+    """All points within `radius` of the convex hull of some points.
+
+    One point makes a ball, two make a capsule; more must span a volume where the radius is 0.
+
+    Attributes:
+        points: (k, 3) in the world, z up [m].
+        radius: [m].
+        rgba: colour, each 0 to 1.
+    """
+
+    points: FloatArray
+    radius: float
+    rgba: Rgba
+
+    def __post_init__(self) -> None:
+        if self.points.ndim != 2 or self.points.shape[1] != 3 or not len(self.points):
+            raise ShapeError("points of a shape", "(k, 3)", self.points.shape)
 
 
 @dataclass(frozen=True)
@@ -172,15 +195,26 @@ def _foot(
     inner = foot.outline.mean(axis=0) + 0.94 * (foot.outline - foot.outline.mean(axis=0))
     radius = 0.35 * float(np.ptp(foot.outline, axis=0).min())
     top = ankle - (0.0, 0.0, max(0.0, radius - 0.6 * (ankle[2] - floor)))
-    upper = np.vstack((prism(inner, floor + 0.002, floor + rim),
-                       np.column_stack((disc(top[:2], radius), np.full(20, top[2])))))  # fmt: skip
+    round_top = np.column_stack((_disc(top[:2], radius), np.full(ROUND, top[2])))
+    upper = np.vstack((_prism(inner, floor + 0.002, floor + rim), round_top))
     parts = [(upper, 0.0, rgba)]
     if worn:
-        parts += [(prism(foot.outline, 0.0, 0.25 * floor), 0.0, PLATE),
-                  (prism(foot.outline, 0.75 * floor, floor), 0.0, PLATE)]  # fmt: skip
+        parts += [(_prism(foot.outline, 0.0, 0.25 * floor), 0.0, PLATE),
+                  (_prism(foot.outline, 0.75 * floor, floor), 0.0, PLATE)]  # fmt: skip
         places = shoe.positions[shoe.of_foot(index)] if cells else np.zeros((0, 2))
         for cell in np.unique(places, axis=0):
-            column = prism(disc(cell, 0.35 * floor), 0.25 * floor, 0.75 * floor)
+            column = _prism(_disc(cell, 0.35 * floor), 0.25 * floor, 0.75 * floor)
             parts.append((column, 0.0, CELL))
     return [LinkShape(np.array([sole.act(one) for one in points]), round_, colour)
             for points, round_, colour in parts]  # fmt: skip
+
+
+def _prism(outline: FloatArray, low: float, high: float) -> FloatArray:
+    """Corners (2k, 3) over an outline (k, 2), between two heights [m]."""
+    return np.vstack([np.column_stack((outline, np.full(len(outline), z))) for z in (low, high)])
+
+
+def _disc(centre: FloatArray, radius: float) -> FloatArray:
+    """Corners (ROUND, 2) of a circle about a place (2,) [m]."""
+    angle = np.linspace(0.0, 2.0 * math.pi, ROUND, endpoint=False)
+    return centre + radius * np.column_stack((np.cos(angle), np.sin(angle)))

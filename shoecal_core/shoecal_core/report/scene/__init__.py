@@ -1,1 +1,0 @@
-"""Pictures of the robot in three dimensions, drawn by MuJoCo without a window."""

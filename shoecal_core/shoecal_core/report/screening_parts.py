@@ -1,0 +1,111 @@
+"""What a screening left out and found, as parts of a report."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from shoecal_core.report.figures.left_out import RunSpan, left_out_in_time
+from shoecal_core.report.page import Group, Picture, Table
+from shoecal_core.report.quantities import UNKNOWN
+from shoecal_core.screening.faults import Fault
+from shoecal_core.screening.result import Screening
+
+
+def left_out_group(
+    screening: Screening, ends: Mapping[int, float], title: str = "", text: str = ""
+) -> Group:
+    """What does not count, when, and what else was found.
+
+    Args:
+        screening: of a recording.
+        ends: when each run ends, since its start [s].
+        title: of the group.
+        text: what else there is to say.
+    """
+    counted = sum(screening.samples.values())
+    lost = sum(one.samples for one in screening.left_out)
+    if not counted:
+        told = "The recording was not screened."
+    elif lost:
+        told = f"{lost} of {counted} samples do not count ({100.0 * lost / counted:.1f} %)."
+    else:
+        told = f"Nothing: all {counted} samples count."
+    picture = left_out_spans(screening, ends)
+    tables = (left_out_table(screening), findings_table(screening))
+    return Group(
+        title,
+        f"{told} {text}".strip(),
+        pictures=() if picture is None else (picture,),
+        tables=tuple(table for table in tables if table is not None),
+    )
+
+
+def left_out_spans(screening: Screening, ends: Mapping[int, float]) -> Picture | None:
+    """When samples were left out; None where every one counts.
+
+    Args:
+        screening: of a recording.
+        ends: when each run ends, since its start [s].
+    """
+    if not screening.left_out:
+        return None
+    lost: dict[int, dict[str, list[tuple[float, float]]]] = {}
+    for one in screening.left_out:
+        found = lost.setdefault(one.run, {}).setdefault(cause_name(one.fault.value), [])
+        found.extend(one.stretches)
+    runs = []
+    for run in screening.samples:
+        own = lost.get(run, {})
+        last = [end for found in own.values() for _, end in found]
+        runs.append(RunSpan(f"run {run}", 0.0, max([ends.get(run, 0.0), *last]), own))
+    shown = [run for run in runs if run.end > 0.0]
+    if not shown:
+        return None
+    return Picture("Samples left out, in time", left_out_in_time(shown))
+
+
+def cause_name(value: str) -> str:
+    """A fault's name for a person."""
+    return value.replace("_", " ")
+
+
+def left_out_table(screening: Screening) -> Table | None:
+    """Samples that do not count, by run and cause; None without any."""
+    if not screening.left_out:
+        return None
+    lost = {(one.run, one.fault): one for one in screening.left_out}
+    faults = [fault for fault in Fault if any(fault is other for _, other in lost)]
+    rows = []
+    for run, count in screening.samples.items():
+        own = [lost.get((run, fault)) for fault in faults]
+        if not any(own):
+            continue
+        rows.append(
+            (
+                f"run {run}" + (" (all of it)" if run in screening.runs_left_out else ""),
+                str(count),
+                *(f"{one.samples} ({_percent(one.share)})" if one else UNKNOWN for one in own),
+            )
+        )
+    return Table(
+        "Samples left out",
+        ("", "samples", *(cause_name(fault.value) for fault in faults)),
+        tuple(rows),
+        "Each counts for the first cause that was found of it.",
+    )
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.1f} %" if share >= 0.001 else "below 0.1 %"
+
+
+def findings_table(screening: Screening) -> Table | None:
+    """What was found before the fit; None where nothing was."""
+    findings = screening.findings
+    if not findings:
+        return None
+    rows = tuple(
+        (cause_name(one.fault.value) if one.fault else "other", one.verdict, one.reason)
+        for one in findings
+    )
+    return Table("Found before the fit", ("", "verdict", "finding"), rows)
