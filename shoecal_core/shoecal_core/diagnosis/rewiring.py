@@ -16,7 +16,7 @@ from shoecal_core.diagnosis.workspace import Workspace, make_workspace
 from shoecal_core.error_sources.base import Effect, Place
 from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.wiring import Wiring
-from shoecal_core.shoe.wrench import at_cop, combined, weight_below
+from shoecal_core.shoe.wrench import at_cop, by_parameters, combined, weight_below
 
 FloatArray = NDArray[np.float64]
 CLEARLY = 0.5
@@ -93,6 +93,7 @@ def _misfit(workspace: Workspace, wiring: Wiring) -> float:
     samples = signal_model.samples
     shoe = samples.shoe
     base = weight_below(shoe)
+    scale = np.array([1.0, 1.0 / LEVER, 1.0 / LEVER])
     rows, targets = [], []
     for segment, support in enumerate(signal_model.supports):
         part = (samples.segment == segment) & samples.both
@@ -102,15 +103,10 @@ def _misfit(workspace: Workspace, wiring: Wiring) -> float:
         columns = wiring.in_left(support)
         readings = samples.readings[part]
         wrench = at_cop(samples.force[part], samples.cop[part]) - combined(base, support)
-        for axis, scale in enumerate((1.0, 1.0 / LEVER, 1.0 / LEVER)):
-            rows.append(
-                scale
-                * np.hstack(
-                    (readings * columns[:, axis], np.tile(columns[:, axis], (len(readings), 1)))
-                )
-            )
-            targets.append(scale * wrench[:, axis])
-    matrix, target = np.concatenate(rows), np.concatenate(targets)
+        rows.append(by_parameters(scale[:, None] * columns.T, readings))
+        targets.append(scale * wrench)
+    target = np.concatenate(targets).ravel()
+    matrix = np.concatenate(rows).reshape(len(target), -1)
     size = np.maximum(np.linalg.norm(matrix, axis=0), 1e-12)
     fitted = np.linalg.lstsq(matrix / size, target, rcond=1e-6)[0]
     return float(np.mean((target - matrix / size @ fitted) ** 2))

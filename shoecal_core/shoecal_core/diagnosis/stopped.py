@@ -28,7 +28,7 @@ from shoecal_core.samples.stretches import Stretch
 from shoecal_core.screening.blocks import reading_blocks
 from shoecal_core.screening.saturated import ended
 from shoecal_core.screening.unresponsive import away, dead, halted
-from shoecal_core.shoe.wrench import at_cop, columns_in_left, combined, weight_below
+from shoecal_core.shoe.wrench import at_cop, by_parameters, columns_in_left, combined, weight_below
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -147,10 +147,8 @@ def _law_by_weight(samples: Samples, dead_channel: int, silent: Sequence[int]) -
         arm = columns[dead_channel, 1:] / columns[dead_channel, 0]
         slopes = columns[others, 1:] - columns[others, :1] * arm
         readings = samples.readings[part][:, others]
-        for axis in (0, 1):
-            gains = readings * slopes[:, axis]
-            rows.append(np.hstack((gains, np.broadcast_to(slopes[:, axis], gains.shape))))
-            targets.append(wrench[:, 1 + axis] - wrench[:, 0] * arm[axis])
+        rows.append(by_parameters(slopes.T, readings).reshape(-1, 2 * len(others)))
+        targets.append((wrench[:, 1:] - wrench[:, :1] * arm).ravel())
         rest.append(wrench[:, 0])
     if not rows:
         return None

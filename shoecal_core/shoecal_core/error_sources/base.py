@@ -13,8 +13,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.error_sources.deviation import FORM
-from shoecal_core.error_sources.deviation import Deviation as Deviation  # noqa: PLC0414 others, too
+from shoecal_core.error_sources.deviation import FORM, Deviation
 from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.shoe.priors import USUAL_WEIGHT

@@ -21,14 +21,15 @@ from shoecal_core.planning.landmarks import sensing_hull
 from shoecal_core.planning.supports.polygon_error import places_over
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import GRAVITY, Robot
-from shoecal_core.shoe.expected_error import wrench_slopes
 from shoecal_core.shoe.load_cases import double_support_outputs, single_support_outputs
 from shoecal_core.shoe.sensing import MINIMUM_FORCE
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import (
     ChannelParameters,
+    by_parameters,
     columns_in_left,
     combined,
+    cop_jacobian,
     foot_wrenches,
     to_left,
 )
@@ -187,15 +188,10 @@ class ErrorModel:
     ) -> FloatArray:
         loaded = wrenches[:, :1] > MINIMUM_FORCE
         wrenches = np.where(loaded, wrenches, [1.0, 0.0, 0.0])
-        slopes = wrench_slopes(columns, wrenches)
+        by_wrench = cop_jacobian(wrenches)
         readings = (outputs - self.parameters.offset) / self.parameters.gain
-        by_shoe = np.einsum("pn,dnk->pkd", outputs, changes)
-        force, place = wrenches[:, :1], np.stack((-wrenches[:, 2], wrenches[:, 1]), axis=1)
-        place = place / force
-        moments = np.stack((-by_shoe[:, 2], by_shoe[:, 1]), axis=1)
-        cop = (moments - place[:, :, None] * by_shoe[:, :1]) / force[:, None]
-        shoe = np.concatenate((by_shoe[:, :1], cop), axis=1)
-        return np.concatenate([slopes * readings[:, None, :], slopes, shoe], axis=2)
+        by_shoe = by_wrench @ np.einsum("pn,dnk->pkd", outputs, changes)
+        return np.concatenate((by_parameters(by_wrench @ columns.T, readings), by_shoe), axis=2)
 
     def _spread(self, jacobian: FloatArray, wrenches: FloatArray, extra: FloatArray) -> Spread:
         """With extra variances (p, 3) of GRF and CoP."""

@@ -17,7 +17,7 @@ from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.chunks import chunks
 from shoecal_core.samples.stance import Stance
 from shoecal_core.shoe.shoe import Shoe
-from shoecal_core.shoe.wrench import ChannelParameters, at_cop
+from shoecal_core.shoe.wrench import ChannelParameters, at_cop, by_parameters
 
 FloatArray = NDArray[np.float64]
 
@@ -112,14 +112,13 @@ def _polarity(stances: Sequence[Stance]) -> NDArray[np.int64]:
     middle = sum(stance.readings.sum(axis=0) for stance in stances) / max(samples, 1)
     count = 2 * len(stances[0].columns)
     total, right = np.zeros((count, count)), np.zeros(count)
+    scale = np.array([1.0, 20.0, 20.0])  # a force at 5 cm counts as the force itself
     for stance in stances:
         for readings, expected in _samples(stance):
-            for axis, column in enumerate(stance.columns.T):
-                scale = 1.0 if axis == 0 else 20.0  # a force at 5 cm counts as the force itself
-                offsets = np.broadcast_to(column, readings.shape)
-                rows = scale * np.hstack(((readings - middle) * column, offsets))
-                total += rows.T @ rows
-                right += scale * (rows.T @ expected[:, axis])
+            rows = by_parameters(scale[:, None] * stance.columns.T, readings - middle)
+            flat = rows.reshape(-1, count)
+            total += flat.T @ flat
+            right += flat.T @ (scale * expected).ravel()
     size = np.sqrt(np.diag(total))
     size[size == 0.0] = 1.0
     ridge = 1e-4 * np.eye(count)

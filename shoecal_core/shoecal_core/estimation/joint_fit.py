@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.error_sources.as_built import of_body
-from shoecal_core.error_sources.base import Deviation
+from shoecal_core.error_sources.deviation import Deviation
 from shoecal_core.error_sources.noise import model_error, white_noise
 from shoecal_core.error_sources.settings import SignalSettings
 from shoecal_core.error_sources.signal_model import SignalModel, make_signal_model

@@ -16,7 +16,7 @@ from shoecal_core.error_sources.deviation import Deviation
 from shoecal_core.shoe.load_cases import single_support_outputs
 from shoecal_core.shoe.sensing import Sensing
 from shoecal_core.shoe.shoe import Shoe
-from shoecal_core.shoe.wrench import ChannelParameters, cop, foot_wrenches
+from shoecal_core.shoe.wrench import ChannelParameters, cop, cop_jacobian, foot_wrenches
 
 FloatArray = NDArray[np.float64]
 
@@ -63,13 +63,12 @@ class KnownShoe:
             here = self.foot == foot
             wrench = foot_wrenches(shoe, self.outputs[here])[:, foot]
             places[here] = cop(wrench, 0.0)
+            by_wrench = cop_jacobian(wrench)[:, 1:]
             own = (shoe.foot == foot)[:, None]
             for index, one in enumerate(deviations):
                 if one.shoe_column is not None:
                     moved = self.outputs[here] @ np.where(own, one.shoe_column, 0.0)
-                    moment = np.stack((-moved[:, 2], moved[:, 1]), axis=1)
-                    moment -= places[here] * moved[:, :1]
-                    slopes[here, :, index] = moment / wrench[:, :1]
+                    slopes[here, :, index] = (by_wrench @ moved[:, :, None])[..., 0]
         by_gain = np.concatenate(
             (np.diag(1.0 / self.gain_std), np.zeros((slopes.shape[0] * 2, count)))
         )

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.samples.zeros import Zero
+from shoecal_core.shoe.priors import TORQUE_LEVER_M
 from shoecal_core.shoe.shoe import Shoe
-from shoecal_core.shoe.wrench import ChannelParameters, weight_below
+from shoecal_core.shoe.wrench import ChannelParameters, by_parameters, weight_below
 
 FloatArray = NDArray[np.float64]
 EXACT = 1e-4
@@ -44,7 +45,7 @@ class KnownZeros:
         """
         by_offset = self.columns / self.std[:, None]
         shown = np.sum(self.columns * parameters.outputs(self.readings), axis=1) + self.below
-        return np.concatenate((by_offset * self.readings, by_offset), axis=1), shown / self.std
+        return by_parameters(by_offset[:, None], self.readings)[:, 0], shown / self.std
 
 
 def known_zeros(shoe: Shoe, zeros: Sequence[Zero], tolerances: Tolerances) -> KnownZeros:
@@ -56,7 +57,7 @@ def known_zeros(shoe: Shoe, zeros: Sequence[Zero], tolerances: Tolerances) -> Kn
         tolerances: by which zeros differ from run to run.
     """
     count = len(shoe.names)
-    run_zero = tolerances.run_zero_n * np.where(shoe.torque, 0.1, 1.0)
+    run_zero = tolerances.run_zero_n * np.where(shoe.torque, TORQUE_LEVER_M, 1.0)
     columns, readings, below, std = [], [], [], []
     for zero in zeros:
         own = np.where((shoe.foot == zero.foot)[:, None], shoe.columns, 0.0).T

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.error_sources.as_built import of_shoes
-from shoecal_core.error_sources.base import Deviation
+from shoecal_core.error_sources.deviation import Deviation
 from shoecal_core.error_sources.posterior import Posterior
 from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.tolerances import Tolerances

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from shoecal_core.samples.stance import Stance
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.shoe.shoe import Shoe
-from shoecal_core.shoe.wrench import ChannelParameters, weight_below
+from shoecal_core.shoe.wrench import ChannelParameters, by_parameters, cop_jacobian, weight_below
 
 FloatArray = NDArray[np.float64]
 HANGING_STD_N, HANGING_LEVER_M = 0.05, 0.05
@@ -69,8 +69,8 @@ def unpack(vector: FloatArray) -> tuple[ChannelParameters, float]:
 
 def errors(vector: FloatArray, stance: Stance, weights: ResidualWeights) -> FloatArray:
     """Residuals (3T,) in standard deviations: all r_F, then all r_Cx, then all r_Cy."""
-    force, place = _measured(vector, stance)
-    off = place - stance.cop - vector[-1] * stance.cop_rate
+    force, mx, my = _wrench(vector, stance).T
+    off = np.stack((-my, mx), axis=1) / force[:, None] - stance.cop - vector[-1] * stance.cop_rate
     return np.concatenate(((force - stance.force) / weights.force, *(off / weights.cop).T))
 
 
@@ -78,28 +78,22 @@ def residuals(
     vector: FloatArray, stance: Stance, weights: ResidualWeights
 ) -> tuple[FloatArray, FloatArray]:
     """`errors` (3T,) and their Jacobian (3T, 2n + 1)."""
-    columns = stance.columns
-    force, place = _measured(vector, stance)
-    slopes = [
-        np.broadcast_to(columns[:, 0] / weights.force, stance.readings.shape),
-        (-columns[:, 2] - np.outer(place[:, 0], columns[:, 0])) / (force[:, None] * weights.cop),
-        (columns[:, 1] - np.outer(place[:, 1], columns[:, 0])) / (force[:, None] * weights.cop),
-    ]
-    late = [np.zeros_like(force), *(-stance.cop_rate / weights.cop).T]
-    jacobian = np.concatenate(
-        [
-            np.hstack((slope * stance.readings, slope, column[:, None]))
-            for slope, column in zip(slopes, late, strict=True)
-        ]
-    )
-    return errors(vector, stance, weights), jacobian
+    late = np.pad(-stance.cop_rate, ((0, 0), (1, 0)))
+    own = by_parameters(cop_jacobian(_wrench(vector, stance)) @ stance.columns.T, stance.readings)
+    scales = np.array([weights.force, weights.cop, weights.cop])
+    jacobian = np.concatenate((own, late[:, :, None]), axis=2) / scales[:, None]
+    return errors(vector, stance, weights), _by_row(jacobian)
 
 
-def _measured(vector: FloatArray, stance: Stance) -> tuple[FloatArray, FloatArray]:
-    """Force (T,) and CoP (T, 2) by the readings."""
-    parameters, _ = unpack(vector)
-    force, mx, my = (parameters.outputs(stance.readings) @ stance.columns + stance.base).T
-    return force, np.stack((-my, mx), axis=1) / force[:, None]
+def _wrench(vector: FloatArray, stance: Stance) -> FloatArray:
+    """(T, 3) by the readings."""
+    wrench: FloatArray = unpack(vector)[0].outputs(stance.readings) @ stance.columns + stance.base
+    return wrench
+
+
+def _by_row(jacobian: FloatArray) -> FloatArray:
+    """(3T, p) of (T, 3, p): all of the force, then all of the CoP's x, then of its y."""
+    return jacobian.swapaxes(0, 1).reshape(-1, jacobian.shape[-1])
 
 
 def hanging_weights(stance: Stance, weights: ResidualWeights) -> ResidualWeights:
@@ -129,20 +123,9 @@ def hanging_residuals(
     wrench = parameters.outputs(stance.readings) @ columns + weight_below(shoe)[foot]
     moment = weights.cop * weight
     scales = np.array([weights.force, moment, moment])
-    jacobian = np.concatenate(
-        [
-            np.hstack(
-                (
-                    stance.readings * column,
-                    np.broadcast_to(column, stance.readings.shape),
-                    np.zeros((len(stance.time), 1)),
-                )
-            )
-            / scale
-            for column, scale in zip(columns.T, scales, strict=True)
-        ]
-    )
-    return (wrench / scales).T.reshape(-1), jacobian
+    own = by_parameters(columns.T / scales[:, None], stance.readings)
+    jacobian = np.pad(own, ((0, 0), (0, 0), (0, 1)))
+    return (wrench / scales).T.reshape(-1), _by_row(jacobian)
 
 
 def rows_of(

@@ -16,10 +16,15 @@ from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.robot.kinematics import BodyStates
 from shoecal_core.robot.robot import GRAVITY, Robot
 from shoecal_core.screening.settings import CalibrationSettings
-from shoecal_core.shoe.expected_error import wrench_slopes
 from shoecal_core.shoe.sensing import Measured
 from shoecal_core.shoe.shoe import FEET, Shoe
-from shoecal_core.shoe.wrench import columns_in_left, combined, foot_wrenches
+from shoecal_core.shoe.wrench import (
+    by_parameters,
+    columns_in_left,
+    combined,
+    cop_jacobian,
+    foot_wrenches,
+)
 
 FloatArray = NDArray[np.float64]
 
@@ -105,7 +110,7 @@ class StandstillResiduals:
 
     def jacobian(self, readings: FloatArray) -> FloatArray:
         """(k, 2n) of the differences to gains and offsets."""
-        return np.concatenate((self.slopes * readings, self.slopes), axis=1)
+        return by_parameters(self.slopes, readings)
 
 
 def hanging_feet(
@@ -181,7 +186,7 @@ def _standing(
         columns, wrench = columns_in_left(shoe, support), combined(wrenches, support)
         force, place = measured.total_grf, measured.combined_cop(support)
     error = np.concatenate(([force - calibration.weight], place - body.cop[0, foot]))
-    return error, wrench_slopes(columns, wrench[None])[0]
+    return error, cop_jacobian(wrench) @ columns.T
 
 
 def _hanging_foot(

@@ -19,7 +19,7 @@ from shoecal_core.screening.noise import spread
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.shoe.priors import TORQUE_LEVER_M
 from shoecal_core.shoe.shoe import Shoe
-from shoecal_core.shoe.wrench import ChannelParameters, at_cop
+from shoecal_core.shoe.wrench import ChannelParameters, at_cop, by_parameters
 
 FloatArray = NDArray[np.float64]
 
@@ -102,10 +102,9 @@ def equations(blocks: Blocks, weight: float, settings: CalibrationSettings) -> E
     target = at_cop(np.full(len(blocks.time), weight), blocks.cop) - blocks.base
     moment = settings.cop_std_m * weight
     std = np.array([settings.force_std_n, moment, moment])
-    slopes = blocks.columns.T[:, None, :] / std[:, None, None]
-    gains = slopes * blocks.readings
+    matrix = by_parameters(blocks.columns.T / std[:, None], blocks.readings)
     return Equations(
-        matrix=np.concatenate((gains, np.broadcast_to(slopes, gains.shape)), axis=2),
+        matrix=matrix.swapaxes(0, 1),
         target=target.T / std[:, None],
         weight=np.full(len(blocks.time), min(1.0, blocks.period / settings.correlation_s)),
     )

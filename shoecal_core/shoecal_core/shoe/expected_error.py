@@ -19,7 +19,13 @@ from shoecal_core.errors import ShapeError, ShoecalError
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.shoe.sensing import MINIMUM_FORCE
 from shoecal_core.shoe.shoe import Shoe
-from shoecal_core.shoe.wrench import columns_in_left, combined, foot_wrenches
+from shoecal_core.shoe.wrench import (
+    by_parameters,
+    columns_in_left,
+    combined,
+    cop_jacobian,
+    foot_wrenches,
+)
 
 FloatArray = NDArray[np.float64]
 
@@ -102,34 +108,14 @@ def expected_error(
     )
 
 
-def wrench_slopes(columns: FloatArray, wrench: FloatArray) -> FloatArray:
-    """(p, 3, n) of force [N], CoP x and y [m] to each channel's output.
-
-    Args:
-        columns: (n, 3) F, Mx, My per unit of output.
-        wrench: (p, 3) at which to differentiate; its force must not be zero.
-    """
-    force = wrench[:, :1]
-    x, y = -wrench[:, 2:] / force, wrench[:, 1:2] / force
-    in_force, in_x, in_y = columns.T
-    return np.stack(
-        [
-            np.broadcast_to(in_force, (len(wrench), len(columns))),
-            (-in_y - x * in_force) / force,
-            (in_x - y * in_force) / force,
-        ],
-        axis=1,
-    )
-
-
 def _deviations(
     columns: FloatArray, wrench: FloatArray, readings: FloatArray, covariance: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Standard deviations (p,) of force [N] and CoP [m] of the channels with these columns."""
     loaded = wrench[:, 0] > MINIMUM_FORCE
     # Where there is no CoP, the slopes of a CoP under a unit force stand in, and are left out.
-    slopes = wrench_slopes(columns, np.where(loaded[:, None], wrench, [1.0, 0.0, 0.0]))
-    jacobian = np.concatenate([slopes * readings[:, None, :], slopes], axis=2)
+    slopes = cop_jacobian(np.where(loaded[:, None], wrench, [1.0, 0.0, 0.0])) @ columns.T
+    jacobian = by_parameters(slopes, readings)
     variances = np.clip(((jacobian @ covariance) * jacobian).sum(axis=2), 0.0, None)
     place = np.sqrt(variances[:, 1:].sum(axis=1))
     return np.sqrt(variances[:, 0]), np.where(loaded, place, np.nan)

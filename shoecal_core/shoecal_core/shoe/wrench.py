@@ -81,6 +81,32 @@ def cop(wrench: FloatArray, minimum_force: float) -> FloatArray:
     return np.stack((-wrench[..., 2] / divisor, wrench[..., 1] / divisor), axis=-1)
 
 
+def cop_jacobian(wrench: FloatArray) -> FloatArray:
+    """(..., 3, 3) of force [N] and CoP x, y [m] to the wrench's F, Mx, My (paper, eq. 2).
+
+    Args:
+        wrench: (..., 3) at which to differentiate [N, N m]; its force must not be zero.
+    """
+    force = wrench[..., 0]
+    found = np.zeros((*wrench.shape, 3))
+    found[..., 0, 0] = 1.0
+    found[..., 1, 0] = wrench[..., 2] / force**2
+    found[..., 1, 2] = -1.0 / force
+    found[..., 2, 0] = -wrench[..., 1] / force**2
+    found[..., 2, 1] = 1.0 / force
+    return found
+
+
+def by_parameters(slopes: FloatArray, readings: FloatArray) -> FloatArray:
+    """(..., k, 2n) by gains, then offsets, of what depends on outputs by slopes (..., k, n).
+
+    Args:
+        readings: (..., n) that the gains multiply.
+    """
+    gains = slopes * readings[..., None, :]
+    return np.concatenate((gains, np.broadcast_to(slopes, gains.shape)), axis=-1)
+
+
 def at_cop(force: FloatArray, place: FloatArray) -> FloatArray:
     """Wrench (..., 3) [N, N m] of a vertical force (...,) [N] at a place (..., 2) [m]."""
     return np.stack((force, place[..., 1] * force, -place[..., 0] * force), axis=-1)

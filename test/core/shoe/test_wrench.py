@@ -18,9 +18,11 @@ from shoecal_core.shoe.shoe import Plates, Shoe
 from shoecal_core.shoe.wrench import (
     ChannelParameters,
     at_cop,
+    by_parameters,
     columns_in_left,
     combined,
     cop,
+    cop_jacobian,
     foot_wrenches,
     to_left,
     weight_below,
@@ -245,3 +247,27 @@ def test_cells_and_a_six_axis_sensor_agree(
     carried = np.linalg.pinv(four.columns[:4].T) @ at_cop(np.asarray(force), point)
     by_cells = foot_wrenches(four, np.concatenate((carried, np.zeros(4))))
     np.testing.assert_allclose(by_sensor, by_cells, atol=1e-10)
+
+
+@given(st.lists(st.floats(1.0, 60.0), min_size=3, max_size=3))
+def test_slopes_of_the_cop_are_its_differences(wrench: list[float]) -> None:
+    middle, step = np.array(wrench), 1e-5
+    found = cop_jacobian(middle)
+
+    def measured(one: FloatArray) -> FloatArray:
+        return np.append(one[0], cop(one, 0.0))
+
+    for axis, change in enumerate(step * np.eye(3)):
+        slope = (measured(middle + change) - measured(middle - change)) / (2.0 * step)
+        np.testing.assert_allclose(found[:, axis], slope, rtol=1e-5, atol=1e-6)
+
+
+def test_outputs_depend_on_gains_by_the_readings_and_on_offsets_as_they_are() -> None:
+    rng = np.random.default_rng(2)
+    slopes, readings = rng.normal(size=(7, 3, 4)), rng.normal(size=(7, 4))
+    gain, offset = rng.normal(size=(2, 4))
+    made = by_parameters(slopes, readings) @ np.concatenate((gain, offset))
+    wanted = np.einsum("tkn,tn->tk", slopes, gain * readings + offset)
+    np.testing.assert_allclose(made, wanted)
+    shared = by_parameters(slopes[0], readings)
+    np.testing.assert_allclose(shared[3], by_parameters(slopes[0], readings[3]))

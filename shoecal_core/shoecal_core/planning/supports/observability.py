@@ -27,11 +27,16 @@ from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
-from shoecal_core.shoe.expected_error import wrench_slopes
 from shoecal_core.shoe.load_cases import double_support_outputs
 from shoecal_core.shoe.priors import TORQUE_LEVER_M, PriorSettings, parameter_std
 from shoecal_core.shoe.shoe import Shoe
-from shoecal_core.shoe.wrench import ChannelParameters, at_cop, columns_in_left
+from shoecal_core.shoe.wrench import (
+    ChannelParameters,
+    at_cop,
+    by_parameters,
+    columns_in_left,
+    cop_jacobian,
+)
 
 FloatArray = NDArray[np.float64]
 
@@ -98,8 +103,7 @@ def residual_jacobian(
     """
     outputs = double_support_outputs(shoe, support, weight, places)
     wrench = at_cop(np.full(len(places), weight), places)
-    slopes = wrench_slopes(columns_in_left(shoe, support), wrench)
-    return np.concatenate([slopes * outputs[:, None, :], slopes], axis=2)
+    return by_parameters(cop_jacobian(wrench) @ columns_in_left(shoe, support).T, outputs)
 
 
 def information(robot: Robot, shoe: Shoe, visit: Visit) -> FloatArray:
