@@ -120,3 +120,19 @@ def test_the_core_imports_no_ros_and_no_serial_port() -> None:
     )
     assert done.returncode == 0, done.stderr
     assert not done.stdout.split()
+
+
+@pytest.mark.parametrize("command", ["apply", "calibrate", "check", "diagnose", "evaluate"])
+def test_commands_on_recordings_load_no_simulation_and_no_solver_of_motions(command: str) -> None:
+    program = (
+        f"import sys; import shoecal_core.cli.{command}_command\n"
+        "print(*{'mujoco', 'matplotlib'}.intersection(sys.modules))\n"
+        "print(*(name for name in sys.modules if name.startswith(\n"
+        "    ('shoecal_core.simulation', 'shoecal_core.planning.horizon', 'shoecal_core.drafting')"
+        ")))\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert not done.stdout.split()

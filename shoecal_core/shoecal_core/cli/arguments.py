@@ -3,30 +3,15 @@
 from __future__ import annotations
 
 import argparse
-import dataclasses
-from collections.abc import Mapping
 from pathlib import Path
 from typing import TypeVar
 
-from shoecal_core.cli.suggestions import nearest
-from shoecal_core.errors import FileMissingError, FileTakenError, ShoecalError
+from shoecal_core.errors import FileMissingError, FileTakenError
 from shoecal_core.file_kinds import DECIMAL_POINT
-from shoecal_core.planning.motion_catalogue import MOTION_KINDS
-from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.supports.draw import draw_supports
-from shoecal_core.planning.supports.feasible import Feasible
-from shoecal_core.planning.supports.named import NAMED, PAPER_DOC, named_supports
-from shoecal_core.progress import Progress
-from shoecal_core.robot.double_support import DoubleSupport
-from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import shoe_file_of
-from shoecal_core.settings import SettingError, Settings, load_settings
-from shoecal_core.shoe.shoe import Shoe
-from shoecal_core.workspace import config_dir
+from shoecal_core.settings import Settings, load_settings
 
 S = TypeVar("S", bound=Settings)
-STANDARD_SET = "standard"
-"""Names the standard set of motions."""
 
 
 def run_numbers(text: str) -> tuple[int, ...]:
@@ -40,20 +25,6 @@ def run_numbers(text: str) -> tuple[int, ...]:
     if len(set(numbers)) < len(numbers):
         raise argparse.ArgumentTypeError(f"'{text}': name each run once")
     return numbers
-
-
-def motion_names(text: str) -> tuple[str, ...]:
-    """Motions of the catalogue separated by commas, or the name of the standard set alone."""
-    names = tuple(text.split(","))
-    if names == (STANDARD_SET,):
-        return names
-    for name in names:
-        if name not in MOTION_KINDS:
-            raise argparse.ArgumentTypeError(
-                f"'{name}': expected '{STANDARD_SET}' alone, or motions separated by commas, of: "
-                f"{', '.join(MOTION_KINDS)}{nearest(name, (STANDARD_SET, *MOTION_KINDS))}"
-            )
-    return names
 
 
 def seed_number(text: str) -> int:
@@ -165,39 +136,6 @@ def add_json(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_planning(parser: argparse.ArgumentParser) -> None:
-    """`--motion`, `--supports` or `--stance`, `--seed` and `--settings` of planning."""
-    parser.add_argument(
-        "--motion",
-        choices=list(MOTION_KINDS),
-        default="landmarks",
-        metavar="NAME",
-        help=_listed("what to do", {name: kind.doc for name, kind in MOTION_KINDS.items()}),
-    )
-    where = parser.add_mutually_exclusive_group()
-    where.add_argument(
-        "--supports", type=int, help="double supports drawn (default: as configured)"
-    )
-    where.add_argument(
-        "--stance",
-        nargs="+",
-        choices=[*NAMED, "paper"],
-        metavar="NAME",
-        help=_listed(
-            "double supports by name",
-            {name: at.doc for name, at in NAMED.items()} | {"paper": PAPER_DOC},
-        ),
-    )
-    parser.add_argument("--seed", type=seed_number, default=1, help="draws whatever is random")
-    parser.add_argument(
-        "--settings", type=Path, metavar="FILE", help="parameter file of the planner node"
-    )
-
-
-def _listed(what: str, choices: Mapping[str, str]) -> str:
-    return f"{what}: " + "; ".join(f"{name} ({doc})" for name, doc in choices.items())
-
-
 def add_shoe(parser: argparse.ArgumentParser) -> None:
     """`--shoe`."""
     parser.add_argument(
@@ -211,41 +149,3 @@ def add_shoe(parser: argparse.ArgumentParser) -> None:
 def shoe_file(args: argparse.Namespace, robot: Path) -> Path:
     """The file of `--shoe`, else the one that belongs to the robot's file."""
     return shoe_file_of(robot) if args.shoe is None else Path(args.shoe)
-
-
-def chosen_supports(
-    args: argparse.Namespace,
-    robot: Robot,
-    shoe: Shoe,
-    settings: PlannerSettings,
-    progress: Progress,
-) -> list[DoubleSupport]:
-    """The double supports of `--stance`, else as many as the settings say, drawn.
-
-    Args:
-        args: of the command.
-        robot, shoe, settings: who visits them.
-        progress: called during the search.
-    """
-    progress("looking for double supports", 0.0)
-    if args.stance is None:
-
-        def report(tried: int, most: int) -> None:
-            if tried:
-                progress(f"looking for double supports, {tried} of at most {most} tried", 0.0)
-
-        return draw_supports(robot, shoe, settings, settings.supports, args.seed, report)
-    feasible = Feasible(robot, settings)
-    return [support for name in args.stance for support in named_supports(name, feasible)]
-
-
-def planner_settings(args: argparse.Namespace) -> PlannerSettings:
-    """Planning settings of the file named, else of the configuration folder."""
-    path = args.settings or config_dir() / "nodes" / "planner.yaml"
-    settings = load_settings(PlannerSettings, path, "planner", "planning")
-    if args.supports is None:
-        return settings
-    try:
-        return dataclasses.replace(settings, supports=args.supports)
-    except SettingError as error:
-        raise ShoecalError(f"--{error}") from error

@@ -13,8 +13,8 @@ from types import ModuleType
 
 from rich.console import Console
 
-from shoecal_core.cli.arguments import STANDARD_SET
 from shoecal_core.cli.parsers import COMMANDS, actions_of, command_line
+from shoecal_core.cli.planning_arguments import STANDARD_SET
 from shoecal_core.error_sources.effects.known import EFFECTS
 from shoecal_core.errors import ShoecalError
 from shoecal_core.planning.motion_catalogue import MOTION_KINDS

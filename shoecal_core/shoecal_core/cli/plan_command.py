@@ -9,14 +9,9 @@ from pathlib import Path
 
 from rich.console import Console
 
-from shoecal_core.cli.arguments import (
-    add_planning,
-    add_shoe,
-    chosen_supports,
-    planner_settings,
-    shoe_file,
-)
+from shoecal_core.cli.arguments import add_shoe, shoe_file
 from shoecal_core.cli.plan_folder import PlanFolder
+from shoecal_core.cli.planning_arguments import add_planning, chosen_supports, planner_settings
 from shoecal_core.cli.progress import shown_progress
 from shoecal_core.cli.weak_lines import weak_lines
 from shoecal_core.errors import PartialError, ShoecalError
@@ -30,7 +25,6 @@ from shoecal_core.planning.supports.identifiability import (
     identifiability,
     total_information,
 )
-from shoecal_core.planning.supports.observability import Visit
 from shoecal_core.report.plan_content import PlannedMotion
 from shoecal_core.report.plan_report import PAGE, Unplanned, picture_name, write_plan
 from shoecal_core.robot.double_support import DoubleSupport
@@ -174,7 +168,7 @@ def _known(
     robot: Robot, shoe: Shoe, plan: _Plan, settings: PlannerSettings, console: Console
 ) -> Identifiability:
     """Print and return what a calibration from the planned motions would identify."""
-    visits = [Visit.of(planned.motion) for planned in plan.motions]
+    visits = [planned.motion.visit for planned in plan.motions]
     known = identifiability(robot, shoe, total_information(robot, shoe, visits), settings)
     console.print(
         f"a calibration from them would identify {known.rank} of {known.possible} directions"

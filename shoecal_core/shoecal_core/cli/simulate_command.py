@@ -9,14 +9,13 @@ from pathlib import Path
 
 from rich.console import Console
 
-from shoecal_core.cli.arguments import (
+from shoecal_core.cli.arguments import rate_hz, seed_number
+from shoecal_core.cli.planning_arguments import (
     STANDARD_SET,
     add_planning,
     chosen_supports,
     motion_names,
     planner_settings,
-    rate_hz,
-    seed_number,
 )
 from shoecal_core.cli.progress import shown_progress
 from shoecal_core.planning.standard import PlannedRun, listed_runs, standard_runs

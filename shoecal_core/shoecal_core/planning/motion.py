@@ -15,6 +15,7 @@ from shoecal_core.planning.legs import FootPose, Legs
 from shoecal_core.planning.segment import MotionSegment
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.support_phase import SupportPhase
+from shoecal_core.planning.supports.observability import PLACES, Visit
 from shoecal_core.planning.timing import GRID, Profile, Rates, fastest
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import GRAVITY
@@ -76,6 +77,12 @@ class Motion:
     def duration(self) -> float:
         """From the first to the last point [s]."""
         return float(self.time[-1])
+
+    @property
+    def visit(self) -> Visit:
+        """What its CoP does, for what it would identify."""
+        every = max(1, len(self.cop) // PLACES)
+        return Visit(self.support, self.cop[::every], self.duration)
 
 
 def com_acceleration_limit(height: float, settings: PlannerSettings) -> float:

@@ -23,7 +23,6 @@ from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.samples.zeros import ZeroFigures, zeros_json
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.workflows.evaluation import load_calibration_of
-from shoecal_core.workflows.simulated_shrink import with_simulated_shrink
 
 SIMULATED_FROM = 0.7
 """Share of the work after which the found effects are simulated."""
@@ -140,6 +139,11 @@ def do(job: DiagnosisJob, progress: Progress = no_progress) -> Diagnosed:
         progress=lambda text, share: progress(text, SIMULATED_FROM * share),
     )
     if job.simulate and found.causes:
+        # A physics engine, which most calls do not need.
+        from shoecal_core.workflows.simulated_shrink import (  # noqa: PLC0415
+            with_simulated_shrink,
+        )
+
         progress("simulating what was found", SIMULATED_FROM)
         found = with_simulated_shrink(found, session)
         if not job.only:

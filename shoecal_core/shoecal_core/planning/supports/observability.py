@@ -23,7 +23,6 @@ from numpy.typing import NDArray
 
 from shoecal_core.errors import ShapeError
 from shoecal_core.planning.landmarks import Contour
-from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
@@ -75,12 +74,6 @@ class Visit:
         length = shapely.LinearRing(Contour.of(robot, support).corners).length
         duration = length / settings.com_speed + 2.0 * settings.hold_time
         return cls(support, contour_places(robot, support, PLACES), float(duration))
-
-    @classmethod
-    def of(cls, motion: Motion) -> Visit:
-        """Of a motion that has been planned."""
-        every = max(1, len(motion.cop) // PLACES)
-        return cls(motion.support, motion.cop[::every], motion.duration)
 
 
 def contour_places(robot: Robot, support: DoubleSupport, count: int) -> FloatArray:
