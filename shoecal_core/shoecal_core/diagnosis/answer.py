@@ -50,7 +50,7 @@ def answer(
     """The verdict.
 
     Args:
-        workspace: under the wiring that was found and with a stuck cell's readings mended.
+        workspace: under the wiring that was found and with a stuck cell's readings corrected.
         certain: causes that no fit was needed for.
     """
     ranking = probabilities(found, 0) if found.alternatives else ()

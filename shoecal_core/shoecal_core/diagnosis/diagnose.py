@@ -113,16 +113,16 @@ def diagnose(
             session, read, samples, () if rezero else zeros, train,
             workspace.signal_model.parameters, settings, weighs=weight_kg is None,
         )  # fmt: skip
-    mended = workspace
+    corrected = workspace
     if halted is not None or known:
-        whole = known.mended(samples)
-        whole = whole if halted is None else halted.mended(whole)
+        whole = known.corrected(samples)
+        whole = whole if halted is None else halted.corrected(whole)
         signal_model = make_signal_model(whole, first_parameters(whole, train), settings, without)
-        mended = make_workspace(signal_model, effects, train, test, settings, tolerances, wanted)
-    before = preflight(mended, settings)
+        corrected = make_workspace(signal_model, effects, train, test, settings, tolerances, wanted)
+    before = preflight(corrected, settings)
     progress("trying every effect", 0.5)
-    exchange = rewired(mended, effects, settings, wanted)
-    best = mended if exchange is None else exchange.workspace
+    exchange = rewired(corrected, effects, settings, wanted)
+    best = corrected if exchange is None else exchange.workspace
     found = select(best, settings) if only is None else asked_for(best)
     progress("measuring the shrink", 0.8)
     denied: tuple[str, ...] = ()
@@ -130,9 +130,9 @@ def diagnose(
         found, denied = borne_out(best, found, settings)
     best = best.at(found.stands(best.scorer, settings))
     certain = [
-        *(known.causes(workspace, mended, settings) if known else ()),
-        *(() if halted is None else (halted.cause(workspace, mended),)),
-        *(() if exchange is None else (exchange.cause(mended.explained(None)[0]),)),
+        *(known.causes(workspace, corrected, settings) if known else ()),
+        *(() if halted is None else (halted.cause(workspace, corrected),)),
+        *(() if exchange is None else (exchange.cause(corrected.explained(None)[0]),)),
         *weak_cells(best, wanted),
     ]
     said = answer(best, certain, found, settings)

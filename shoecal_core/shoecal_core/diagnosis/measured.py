@@ -73,7 +73,7 @@ class MeasuredBefore:
     def __bool__(self) -> bool:
         return bool(self.moved) or self.heavier is not None
 
-    def mended(self, samples: Samples) -> Samples:
+    def corrected(self, samples: Samples) -> Samples:
         """The session with the mean zeros in every run, and with that weight."""
         samples = at_zeros(samples, self.zeros, self.train)
         if self.heavier is None:
@@ -82,10 +82,10 @@ class MeasuredBefore:
         return replace(samples, robot=self.heavier, force=force)
 
     def causes(
-        self, before: Workspace, mended: Workspace, settings: DiagnosisSettings
+        self, before: Workspace, corrected: Workspace, settings: DiagnosisSettings
     ) -> list[Cause]:
-        """What it is, by what is left of the session as it came and as mended."""
-        gone = shrink(mended, before.explained(None)[0], mended.explained(None)[0])
+        """What it is, by what is left of the session as it came and as corrected."""
+        gone = shrink(corrected, before.explained(None)[0], corrected.explained(None)[0])
         found = [_zero_cause(one, gone) for one in self.moved]
         if self.heavier is not None:
             found.append(self._weight_cause(before.signal_model.samples.robot.mass, gone, settings))

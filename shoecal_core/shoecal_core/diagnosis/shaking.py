@@ -7,21 +7,21 @@ import numpy as np
 from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.screening.noise import noise
 from shoecal_core.screening.settings import CalibrationSettings
-from shoecal_core.screening.spikes import find_leaps
-from shoecal_core.screening.standing import LEAST_LEAP_STDS
+from shoecal_core.screening.spikes import find_jumps
+from shoecal_core.screening.standing import LEAST_JUMP_STDS
 
 MUCH = 0.1
 """Share of the samples from which it is reported."""
 
 
 def shaking(signal_model: SignalModel) -> list[str]:
-    """In words, when readings of a foot leap together for much of the time, and where most."""
+    """In words, when readings of a foot jump together for much of the time, and where most."""
     samples = signal_model.samples
     gain = signal_model.parameters.gain
-    least = LEAST_LEAP_STDS * CalibrationSettings().force_std_n
+    least = LEAST_JUMP_STDS * CalibrationSettings().force_std_n
     shares = {
         track.run: float(
-            find_leaps(samples.shoe, track.readings, noise(track.readings), gain, least).hits.mean()
+            find_jumps(samples.shoe, track.readings, noise(track.readings), gain, least).hits.mean()
         )
         for track in samples.tracks
         if not track.walks
@@ -31,7 +31,7 @@ def shaking(signal_model: SignalModel) -> list[str]:
         return []
     most = max(shares, key=lambda run: shares[run])
     text = (
-        f"the robot shook: readings of several cells leap for {mean:.0%} of the samples (run "
+        f"the robot shook: readings of several cells jump for {mean:.0%} of the samples (run "
         f"{most}: {shares[most]:.0%}), which may cause what is found here: see that gears and "
         "floor are firm, and record again"
     )

@@ -57,9 +57,9 @@ class Stopped:
     share: float
     law: FloatArray
 
-    def cause(self, before: Workspace, mended: Workspace) -> Cause:
-        """What it is, by what is left with the readings as they came and as mended."""
-        place = (mended.signal_model.samples.shoe.names[self.channel],)
+    def cause(self, before: Workspace, corrected: Workspace) -> Cause:
+        """What it is, by what is left with the readings as they came and as corrected."""
+        place = (corrected.signal_model.samples.shoe.names[self.channel],)
         return Cause(
             effect="stuck_cell",
             group="load_cell",
@@ -70,24 +70,24 @@ class Stopped:
                 "time": Size(self.time, "s", _around(self.time, self.step)),
             },
             run=None,
-            shrink=shrink(mended, before.explained(None)[0], mended.explained(None)[0]),
+            shrink=shrink(corrected, before.explained(None)[0], corrected.explained(None)[0]),
             hidden_cop_mm=0.0,
         )
 
-    def mended(self, samples: Samples) -> Samples:
+    def corrected(self, samples: Samples) -> Samples:
         """The session as the cell would have shown it."""
         tracks = tuple(
-            replace(one, readings=self._mended(one.readings, one.start + one.time))
+            replace(one, readings=self._corrected(one.readings, one.start + one.time))
             for one in samples.tracks
         )
-        readings = self._mended(samples.readings, samples.clock)
+        readings = self._corrected(samples.readings, samples.clock)
         return replace(samples, tracks=tracks, readings=readings)
 
-    def _mended(self, readings: FloatArray, clock: FloatArray) -> FloatArray:
-        mended = readings.copy()
+    def _corrected(self, readings: FloatArray, clock: FloatArray) -> FloatArray:
+        corrected = readings.copy()
         still = np.any([(clock >= start) & (clock < end) for start, end in self.stretches], axis=0)
-        mended[still, self.channel] = self.law[0] + readings[still] @ self.law[1:]
-        return mended
+        corrected[still, self.channel] = self.law[0] + readings[still] @ self.law[1:]
+        return corrected
 
 
 def stopped(samples: Samples) -> Stopped | None:

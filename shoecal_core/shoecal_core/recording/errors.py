@@ -50,5 +50,5 @@ class HashMismatchError(RecordingError):
             path,
             f"recorded with another {file} (SHA-256 {recorded[:12]}…, the session's is "
             f"{present[:12]}…); put the one it was recorded with back, or say --force where the "
-            "change mends the file",
+            "change repairs the file",
         )

@@ -231,7 +231,7 @@ def _raw(content: CheckReport) -> tuple[Section, ...]:
     if not pictures:
         return ()
     text = (
-        "Every channel as it was read. A line that stands still, leaps, or runs along the end of "
+        "Every channel as it was read. A line that stands still, jumps, or runs along the end of "
         "its range belongs to a cell or a cable to look at."
     )
     return (Section("Raw readings", (Group(pictures=pictures),), text),)

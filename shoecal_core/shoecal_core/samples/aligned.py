@@ -22,11 +22,11 @@ FloatArray = NDArray[np.float64]
 MAX_JOINT_GAP_S = 0.1
 """Readings between joint angles further apart than this have no model value."""
 MIN_SAMPLES = 50
-LEAP_RAD, LEAP_SPEEDS = 0.1, 3.0
-"""Between two samples a joint leaps that moves by more than both: this, and so many times as fast
+JUMP_RAD, JUMP_SPEEDS = 0.1, 3.0
+"""Between two samples a joint jumps that moves by more than both: this, and so many times as fast
 as its motor can."""
-LEAPS_SHARE = 0.05
-"""Of its samples at which a joint may leap; encoders fail now and then."""
+JUMPS_SHARE = 0.05
+"""Of its samples at which a joint may jump; encoders fail now and then."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ def align(run: Run, shoe: Shoe, kinematics: Kinematics, *, late_s: float = 0.0) 
     time = run.readings.time[good]
     names = recorded_joints(run, kinematics.robot)
     _check_unit(run, names, kinematics.robot)
-    _check_leaps(run, names, kinematics.robot)
+    _check_jumps(run, names, kinematics.robot)
     measured, covered = interpolate_joints(
         run.joints, time, MAX_JOINT_GAP_S, late_s=late_s, names=names
     )
@@ -129,20 +129,20 @@ def _angles(run: Run, name: str) -> FloatArray:
     return position[np.isfinite(position)]
 
 
-def _check_leaps(run: Run, names: list[str], robot: Robot) -> None:
-    """Refuse angles that leap to and fro: two senders that take turns."""
+def _check_jumps(run: Run, names: list[str], robot: Robot) -> None:
+    """Refuse angles that jump to and fro: two senders that take turns."""
     limits = dict(zip(robot.joint_names, robot.velocity_limit, strict=True))
     for name in names:
         position = run.joints.position[:, run.joints.names.index(name)]
         known = np.isfinite(position)
         step, period = np.diff(position[known]), np.diff(run.joints.time[known])
-        allowed = np.maximum(LEAP_RAD, LEAP_SPEEDS * limits[name] * period)
-        leaps = np.abs(step) > allowed
-        if limits[name] > 0.0 and len(step) and leaps.mean() > LEAPS_SHARE:
+        allowed = np.maximum(JUMP_RAD, JUMP_SPEEDS * limits[name] * period)
+        jumps = np.abs(step) > allowed
+        if limits[name] > 0.0 and len(step) and jumps.mean() > JUMPS_SHARE:
             raise RecordingError(
                 run.path,
-                f"'{name}' leaps to and fro by {np.median(np.abs(step[leaps])):.2f} rad within "
-                f"{1e3 * np.median(period[leaps]):.0f} ms, faster than its motor can: two senders "
+                f"'{name}' jumps to and fro by {np.median(np.abs(step[jumps])):.2f} rad within "
+                f"{1e3 * np.median(period[jumps]):.0f} ms, faster than its motor can: two senders "
                 "take turns, or encoders fail; record it from one source",
                 field=JOINT_STATES,
             )

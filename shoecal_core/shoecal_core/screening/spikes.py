@@ -1,7 +1,7 @@
-"""Spikes: readings that leap away from their neighbours in time and come back at once.
+"""Spikes: readings that jump away from their neighbours in time and come back at once.
 
-A reading leaps when it is far from the median of the few around it. What hits the robot leaps in
-several channels of a foot, in proportion; what leaps in one or two alone is in their cables or
+A reading jumps when it is far from the median of the few around it. What hits the robot jumps in
+several channels of a foot, in proportion; what jumps in one or two alone is in their cables or
 converters.
 """
 
@@ -19,23 +19,23 @@ FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 WIDTH = 9
-"""Readings in the median: leaps of up to four of them stand out."""
+"""Readings in the median: jumps of up to four of them stand out."""
 NOISE_STDS, SURE_STDS = 8.0, 20.0
-"""A leap is this far off in the channel's noise; one of which its companions would show, more."""
+"""A jump is this far off in the channel's noise; one of which its companions would show, more."""
 COMPANION_STDS, COMPANION_SHARE = 4.0, 0.1
-"""A channel leaps along when it is this far off: in its own noise, and of the largest leap."""
+"""A channel jumps along when it is this far off: in its own noise, and of the largest jump."""
 ALONE = 1
-"""Channels that leap together, at most, for it to be electrical."""
+"""Channels that jump together, at most, for it to be electrical."""
 
 
 @dataclass(frozen=True)
-class Leaps:
-    """What leaps in the readings of a run.
+class Jumps:
+    """What jumps in the readings of a run.
 
     Attributes:
         spikes: (T, n) electrical ones.
         hits: (T,) times at which something hit the robot.
-        calm: (T, n) readings with every leap replaced by the median around it.
+        calm: (T, n) readings with every jump replaced by the median around it.
     """
 
     spikes: BoolArray
@@ -43,22 +43,22 @@ class Leaps:
     calm: FloatArray
 
 
-def find_leaps(
+def find_jumps(
     shoe: Shoe, readings: FloatArray, noise: FloatArray, gain: FloatArray, least: float
-) -> Leaps:
-    """Leaps of readings (T, n), and what is behind them.
+) -> Jumps:
+    """Jumps of readings (T, n), and what is behind them.
 
     Args:
         noise: (n,) standard deviation of a reading.
         gain: (n,) of each channel, roughly.
-        least: smaller leaps do no harm [N, and N m at a lever of 10 cm].
+        least: smaller jumps do no harm [N, and N m at a lever of 10 cm].
     """
     unit = np.where(shoe.torque, 0.1, 1.0)
     scale = np.abs(gain) / unit
     around = median_filter(readings, size=(WIDTH, 1), mode="nearest")
     off = np.abs(readings - around) * scale
-    leaping = off > np.maximum(NOISE_STDS * noise * scale, least)
-    spikes = np.zeros_like(leaping)
+    jumping = off > np.maximum(NOISE_STDS * noise * scale, least)
+    spikes = np.zeros_like(jumping)
     for foot in (0, 1):
         own = shoe.of_foot(foot)
         largest = off[:, own].max(axis=1, keepdims=True)
@@ -67,6 +67,6 @@ def find_leaps(
         )
         alone = along.sum(axis=1, keepdims=True) <= ALONE
         sure = off[:, own] > SURE_STDS * (noise[own] * scale[own]).max()
-        spikes[:, own] = leaping[:, own] & sure & alone
-    hits: BoolArray = np.any(leaping & ~spikes, axis=1)
-    return Leaps(spikes, hits, np.where(leaping, around, readings))
+        spikes[:, own] = jumping[:, own] & sure & alone
+    hits: BoolArray = np.any(jumping & ~spikes, axis=1)
+    return Jumps(spikes, hits, np.where(jumping, around, readings))

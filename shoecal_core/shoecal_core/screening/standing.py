@@ -27,7 +27,7 @@ from shoecal_core.screening.saturated import (
     saturated,
 )
 from shoecal_core.screening.settings import CalibrationSettings
-from shoecal_core.screening.spikes import find_leaps
+from shoecal_core.screening.spikes import find_jumps
 from shoecal_core.screening.weights import wrong_weights
 from shoecal_core.screening.wiring import check_wiring
 from shoecal_core.shoe.sensing import MINIMUM_FORCE
@@ -50,8 +50,8 @@ LEAST_SHARE = 0.4
 FREE_SHARE = 0.2
 """A foot that was lifted on purpose and carries more of the weight still touches something; the
 rough fit knows a foot's share no better."""
-LEAST_LEAP_STDS = 1.0
-"""Smaller leaps do no harm, in the settings' standard deviations of the force."""
+LEAST_JUMP_STDS = 1.0
+"""Smaller jumps do no harm, in the settings' standard deviations of the force."""
 
 
 def screen_standing(
@@ -124,7 +124,7 @@ class _Moments:
         marked: (T,) by fault, the gravest first.
         spikes: (T, n).
         air: (T,) the foot that was lifted on purpose hangs free.
-        calm: samples while both feet stand, their readings without leaps; before, between and
+        calm: samples while both feet stand, their readings without jumps; before, between and
             after the times that a foot was in the air on purpose.
     """
 
@@ -147,9 +147,9 @@ class _Watch:
     def moments(self, aligned: Aligned, part: Blocks, lifting: LiftedFoot | None) -> _Moments:
         time, settings = aligned.time, self.settings
         trembling = noise(aligned.readings)
-        least = LEAST_LEAP_STDS * settings.force_std_n
-        leaps = find_leaps(self.shoe, aligned.readings, trembling, self.parameters.gain, least)
-        wrench = self.parameters.outputs(leaps.calm) @ part.columns + part.base
+        least = LEAST_JUMP_STDS * settings.force_std_n
+        jumps = find_jumps(self.shoe, aligned.readings, trembling, self.parameters.gain, least)
+        wrench = self.parameters.outputs(jumps.calm) @ part.columns + part.base
         place = cop(wrench, MINIMUM_FORCE) - aligned.states.cop[:, 0]
         nowhere = ~np.isfinite(place).all(axis=1)
         place[nowhere] = 0.0
@@ -157,11 +157,11 @@ class _Watch:
         up = widened(lifted(aligned.states), time, MARGIN_S)
         grounded = ~lasting(up, time, LIFT_S)
         meant = air = np.zeros_like(up)
-        calm = [feet(aligned, leaps.calm, grounded)]
-        if lifting is not None and self._hangs(lifting, leaps.calm):
+        calm = [feet(aligned, jumps.calm, grounded)]
+        if lifting is not None and self._hangs(lifting, jumps.calm):
             meant, air = lifting.air | lifting.moving, lifting.air
             calm = [
-                feet(aligned, leaps.calm, stretch & grounded)
+                feet(aligned, jumps.calm, stretch & grounded)
                 for stretch in lifting.stretches()
                 if not lifting.air[stretch].any()
             ]
@@ -171,9 +171,9 @@ class _Watch:
             Fault.LIFTING: meant & ~air,
             Fault.TOO_FAST: widened(too_fast(aligned, settings), time, MARGIN_S),
             Fault.DISTURBED: widened(pushed, time, MARGIN_S)
-            | widened(leaps.hits, time, HIT_MARGIN_S),
+            | widened(jumps.hits, time, HIT_MARGIN_S),
         }
-        return _Moments(marked, leaps.spikes, air, tuple(calm))
+        return _Moments(marked, jumps.spikes, air, tuple(calm))
 
     def _hangs(self, lifting: LiftedFoot, readings: FloatArray) -> bool:
         """Whether the foot that was lifted carries nothing meanwhile."""

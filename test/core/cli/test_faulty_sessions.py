@@ -100,15 +100,15 @@ def test_spikes_are_left_out_named_and_counted(
 ) -> None:
     at = np.arange(200, 1400, 60)
 
-    def leaping(run: Run) -> Run:
+    def jumping(run: Run) -> Run:
         values = run.readings.value.copy()
         if run.info.run == 2:
             values[at, 5] += 2.0
         return with_values(run, values)
 
-    # What hits a foot of three cells may leap in one alone, as where it touches down.
+    # What hits a foot of three cells may jump in one alone, as where it touches down.
     usual = spikes(json.loads(calibrated.with_suffix(".json").read_text()))
-    found, out = figures(shoecal, rewritten(simulated, tmp_path / "s", leaping), tmp_path)
+    found, out = figures(shoecal, rewritten(simulated, tmp_path / "s", jumping), tmp_path)
     name = Session.open(simulated).shoe.names[5]
     lost = spikes(found)
     assert lost[2, name] >= len(at) - 2

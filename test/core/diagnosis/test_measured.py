@@ -114,7 +114,7 @@ def test_data_sheets_tell_another_weight(
     if told:
         assert told.heavier is not None
         assert told.heavier.mass / samples.robot.mass == pytest.approx(1.05, abs=0.005)
-        heavier = told.mended(samples)
+        heavier = told.corrected(samples)
         np.testing.assert_allclose(heavier.force / samples.force, 1.05, atol=0.005)
         np.testing.assert_array_equal(heavier.cop, samples.cop)
 

@@ -12,7 +12,7 @@ from shoecal_core.samples.samples import Track
 
 
 def struck(signal_model: SignalModel, every: int) -> SignalModel:
-    """All cells leap by 5 N, once in so many samples."""
+    """All cells jump by 5 N, once in so many samples."""
 
     def work(_track: Track, forces: FloatArray) -> FloatArray:
         forces = forces.copy()
@@ -32,4 +32,4 @@ def test_how_often_it_shook_is_told(workspace: Workspace, every: int) -> None:
     (note,) = shaking(struck(workspace.signal_model, every))
     assert "the robot shook" in note
     told = float(note.split("for ")[1].split("%")[0])
-    assert 100 / every - 1.0 < told < 100 / every + 5.0  # some leaps are the robot's own
+    assert 100 / every - 1.0 < told < 100 / every + 5.0  # some jumps are the robot's own

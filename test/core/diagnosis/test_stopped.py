@@ -53,15 +53,16 @@ def test_a_cell_that_gets_stuck_is_found_and_mended(
     assert found.channel == channel
     assert found.time == pytest.approx(time, abs=1.0)
     assert found.share == pytest.approx(share, abs=0.05)
-    mended = found.mended(broken)
+    corrected = found.corrected(broken)
     late = samples.clock > time + 1.0
     away, was = (
-        float(np.std((one.readings - samples.readings)[late, channel])) for one in (mended, broken)
+        float(np.std((one.readings - samples.readings)[late, channel]))
+        for one in (corrected, broken)
     )
     assert away < 0.1 * was
     others = np.arange(samples.readings.shape[1]) != channel
-    np.testing.assert_array_equal(mended.readings[:, others], samples.readings[:, others])
-    for one, right in zip(mended.tracks, samples.tracks, strict=True):
+    np.testing.assert_array_equal(corrected.readings[:, others], samples.readings[:, others])
+    for one, right in zip(corrected.tracks, samples.tracks, strict=True):
         assert np.std((one.readings - right.readings)[:, channel]) < was
 
 
@@ -100,12 +101,12 @@ def test_a_cell_may_be_stuck_for_a_while_in_any_run(
     assert len(found.stretches) == 1
     assert found.stretches[0][1] == pytest.approx(end, abs=1.0)
     assert found.share == pytest.approx(1.0, abs=0.02)
-    mended = found.mended(broken).readings[:, channel] - samples.readings[:, channel]
+    corrected = found.corrected(broken).readings[:, channel] - samples.readings[:, channel]
     away = broken.readings[:, channel] - samples.readings[:, channel]
     inside = (samples.clock > time + 1.0) & (samples.clock < end - 1.0)
-    assert np.std(mended[inside]) < 0.1 * np.std(away[inside])
+    assert np.std(corrected[inside]) < 0.1 * np.std(away[inside])
     outside = (samples.clock < time - 1.0) | (samples.clock > end + 1.0)
-    np.testing.assert_array_equal(mended[outside], 0.0)
+    np.testing.assert_array_equal(corrected[outside], 0.0)
 
 
 @pytest.mark.parametrize("living", [0.0, 8.0])
@@ -121,8 +122,8 @@ def test_a_cell_that_is_stuck_from_the_beginning_shows_what_the_weight_leaves(
     # A cell that hardly moves yet may as well be stuck already.
     assert living - 3.0 < found.time < living + 1.0
     assert found.share == 1.0
-    mended = found.mended(broken).readings[:, channel]
-    assert np.corrcoef(mended, samples.readings[:, channel])[0, 1] > 0.99
+    corrected = found.corrected(broken).readings[:, channel]
+    assert np.corrcoef(corrected, samples.readings[:, channel])[0, 1] > 0.99
 
 
 def test_a_cell_that_reaches_its_end_is_not_stuck(workspace: Workspace) -> None:

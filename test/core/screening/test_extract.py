@@ -139,7 +139,7 @@ def test_two_senders_that_take_turns_are_refused(run: Run) -> None:
     found_in(with_joints(run, position=position))
     position = run.joints.position.copy()
     position[1::3] = 0.0
-    with pytest.raises(FileError, match=r"/joint_states: '.*' leaps to and fro by .* within 10 ms"):
+    with pytest.raises(FileError, match=r"/joint_states: '.*' jumps to and fro by .* within 10 ms"):
         found_in(with_joints(run, position=position))
 
 

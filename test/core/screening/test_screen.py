@@ -186,12 +186,12 @@ def test_spikes_are_left_out_and_their_cable_is_named() -> None:
     rng = np.random.default_rng(9)
     at = rng.choice(2900, 20, replace=False)
 
-    def leaping(run: int, one: FloatArray) -> FloatArray:
+    def jumping(run: int, one: FloatArray) -> FloatArray:
         if run == 2:
             one[at] += rng.choice([-1.0, 1.0], 20) * rng.uniform(0.2, 4.0, 20)
         return one
 
-    found = screened(recording().with_channel(5, leaping))
+    found = screened(recording().with_channel(5, jumping))
     (finding,) = found.findings
     assert (finding.verdict, finding.fault) == ("WARN", Fault.SPIKE)
     assert "right/front_right gave spikes in run 2" in finding.reason
@@ -202,12 +202,12 @@ def test_spikes_are_left_out_and_their_cable_is_named() -> None:
 
 
 def test_a_single_spike_is_only_counted() -> None:
-    def leaping(run: int, one: FloatArray) -> FloatArray:
+    def jumping(run: int, one: FloatArray) -> FloatArray:
         if run == 1:
             one[700] += 1.0
         return one
 
-    found = screened(recording().with_channel(0, leaping))
+    found = screened(recording().with_channel(0, jumping))
     assert found.findings == ()
     (lost,) = found.left_out
     assert (lost.run, lost.fault, lost.samples) == (1, Fault.SPIKE, 1)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from core.shoe import shoes
 from shoecal_core.screening.noise import noise
-from shoecal_core.screening.spikes import Leaps, find_leaps
+from shoecal_core.screening.spikes import Jumps, find_jumps
 
 FloatArray = NDArray[np.float64]
 SHOE = shoes.shoe("nao_shoe")
@@ -22,47 +22,47 @@ def readings(std: float = 0.001) -> FloatArray:
     return np.asarray(slow + std * rng.standard_normal((len(TIME), 8)))
 
 
-def found(values: FloatArray) -> Leaps:
-    return find_leaps(SHOE, values, noise(values), GAIN, 0.3)
+def found(values: FloatArray) -> Jumps:
+    return find_jumps(SHOE, values, noise(values), GAIN, 0.3)
 
 
 def test_a_quiet_recording_has_none() -> None:
     for std in (1e-5, 0.001, 0.02):
-        leaps = found(readings(std))
-        assert not leaps.spikes.any()
-        assert not leaps.hits.any()
+        jumps = found(readings(std))
+        assert not jumps.spikes.any()
+        assert not jumps.hits.any()
 
 
 @pytest.mark.parametrize("length", [1, 2, 3])
 @pytest.mark.parametrize("size", [0.1, -4.0])
-def test_one_channel_that_leaps_alone(length: int, size: float) -> None:
+def test_one_channel_that_jumps_alone(length: int, size: float) -> None:
     clean, values = readings(), readings()
     values[500 : 500 + length, 6] += size
-    leaps = found(values)
-    expected = np.zeros_like(leaps.spikes)
+    jumps = found(values)
+    expected = np.zeros_like(jumps.spikes)
     expected[500 : 500 + length, 6] = True
-    np.testing.assert_array_equal(leaps.spikes, expected)
-    assert not leaps.hits.any()
-    assert np.abs(leaps.calm - clean).max() < 0.02
+    np.testing.assert_array_equal(jumps.spikes, expected)
+    assert not jumps.hits.any()
+    assert np.abs(jumps.calm - clean).max() < 0.02
 
 
-def test_a_foot_that_is_hit_leaps_in_proportion() -> None:
+def test_a_foot_that_is_hit_jumps_in_proportion() -> None:
     values = readings()
     values[700, :4] += np.array([1.2, 0.5, -0.1, -0.6]) / GAIN[:4]
-    leaps = found(values)
-    assert not leaps.spikes.any()
-    assert np.flatnonzero(leaps.hits).tolist() == [700]
+    jumps = found(values)
+    assert not jumps.spikes.any()
+    assert np.flatnonzero(jumps.hits).tolist() == [700]
 
 
 def test_in_noise_that_hides_companions_nothing_is_said_of_the_cable() -> None:
     values = readings(0.01)
     values[300, 2] += 0.1
-    leaps = found(values)
-    assert not leaps.spikes.any()
-    assert leaps.hits[300]
+    jumps = found(values)
+    assert not jumps.spikes.any()
+    assert jumps.hits[300]
 
 
-def test_steps_are_no_leaps() -> None:
+def test_steps_are_no_jumps() -> None:
     values = readings()
     values[1000:, 3] += 1.0
     assert not found(values).spikes.any()
