@@ -8,7 +8,6 @@ from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
 from shoecal_core.report.figures.feet import (
@@ -17,6 +16,7 @@ from shoecal_core.report.figures.feet import (
     FootShape,
     around,
     draw_feet,
+    draw_outline,
     from_above,
     shape_keys,
 )
@@ -120,8 +120,7 @@ def _draw(
     """Feet, bubbles, arrows, shares."""
     draw_feet(axes, one.feet, named=False)
     for outline in one.thin:
-        axes.add_patch(Polygon(1e3 * outline[:, ::-1], facecolor="none", edgecolor=MUTED.light,
-                               linewidth=0.5))  # fmt: skip
+        draw_outline(axes, outline, Look(MUTED, 0.5))
     if largest > 0.0:
         _bubbles(axes, one.field, largest, scale)
     _quiver(axes, one.field, look, times)
