@@ -11,19 +11,21 @@ from paper_reproduction import GUESS, Difference, Paper, Reproduction, shoe_and_
 from paper_targets import ALPHA
 from shoecal_core.estimation.run_errors import ComparedRun, errors_by_set
 from shoecal_core.report import palette
-from shoecal_core.report.figures.bars import Bar, BarMark, mae_bars
+from shoecal_core.report.figures.bars import Bar, mae_bars
 from shoecal_core.report.figures.feet import CopPath, FootShape, cop_plane
 from shoecal_core.report.figures.loads import KnownLoads, cop_under_loads, forces_under_loads
 from shoecal_core.report.figures.motion import skeleton, snapshots
-from shoecal_core.report.figures.series import Line, grf_in_time
+from shoecal_core.report.figures.series import Line
 from shoecal_core.report.palette import Look
 from shoecal_core.report.quantities import mean_error
 from shoecal_core.report.sheet import SheetFigure, write_sheet
+from shoecal_core.report.svg import canvas, draw_line, line_key, readable, y_label
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.shoe.shoe import FEET
 from shoecal_core.workflows.evaluation import MEASURED, MODELLED, REFERENCE
 
 SNAPSHOTS = 5
+WEIGHT = Look(palette.INK, 1.4)
 LOOKS = {
     GUESS: ("initial guess", palette.GUESS),
     REFERENCE: ("manual", palette.TRUTH),
@@ -162,6 +164,33 @@ def _motion(robot: Reproduction, run: ComparedRun) -> str:
     return snapshots(bodies, stance.time[shown].tolist())
 
 
+def grf_in_time(lines: Sequence[Line], weight: float, least: float = 0.8) -> str:
+    """GRF of several sources, or of several runs, around the weight.
+
+    Args:
+        lines: later ones are drawn over earlier ones.
+        weight: drawn as a line [N].
+        least: no less than this is shown [N].
+    """
+    with canvas(222.0) as page:
+        keys = [line_key(line.look, line.label) for line in lines]
+        page.legend([*keys, line_key(WEIGHT, "weight")], left=46.0)
+        axes = page.panel(24.0, 164.0, left=52.0)
+        axes.axhline(weight, color=WEIGHT.colour.light, linewidth=WEIGHT.width)
+        for line in lines:
+            draw_line(axes, line.series.time, line.series.grf, line.look)
+        every = np.concatenate([[weight], *(line.series.grf for line in lines)])
+        low, high = float(np.nanmin(every)), float(np.nanmax(every))
+        margin = 0.06 * (high - low) + max(0.0, (least - (high - low)) / 2.0)
+        axes.set_ylim(low - margin, high + margin)
+        axes.margins(x=0.0)
+        y_label(axes, "GRF (N)")
+        axes.locator_params(axis="y", nbins=5)
+        axes.set_xlabel("time (s)")
+        named = ", ".join(readable(line.label) for line in lines)
+        return page.svg(f"GRF [N] against time [s] around {weight:.2f} N: {named}.")
+
+
 def _plane(
     robot: Reproduction,
     run: ComparedRun,
@@ -201,8 +230,11 @@ def _errors(
             Bar(label, look, label, part == "test", found.grf, found.cop)
             for part, found in sets.items()
         ]
-    marks = [BarMark(2, 3, _sign(compared["grf"]), _sign(compared["cop"]))] if compared else []
-    return SheetFigure(title, mae_bars(bars, marks))
+    notes = [
+        f"Self-calibration, training against test: {name.upper()} {_sign(found)}"
+        for name, found in compared.items()
+    ]
+    return SheetFigure(title, mae_bars(bars), tuple(notes))
 
 
 def _sign(found: Difference) -> str:

@@ -45,7 +45,7 @@ def expected_table(assessment: Assessment) -> Table:
 
 def trust_lines(assessment: Assessment, screening: Screening) -> list[str]:
     """What was identified, what was not, what was left out."""
-    known = assessment.told
+    known = assessment.identifiability
     lines = []
     if assessment.budget is None:
         lines.append("the model's own errors come on top: for walking they are not known")

@@ -2,38 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 from shoecal_core.diagnosis.result import Action, Diagnosis
-
-CURES: Mapping[str, str] = {
-    "nonlinearity": "exchange the cell {place}, or keep it to loads at which it is straight",
-    "saturation": "give the cell {place} a larger range, or its amplifier a smaller gain",
-    "hysteresis": "check {place} for friction in its mounting, then exchange the cell",
-    "creep": "wait under load before recording; if {place} creeps on, exchange the cell",
-    "zero_offset": "correct the zeros of {place} from feet in the air: --rezero",
-    "zero_drift": "warm up {place} before recording, then correct the zeros: --rezero",
-    "span_drift": "warm up {place} before recording, and calibrate at that temperature",
-    "stuck_cell": "check cable and amplifier of {place}, then exchange the cell",
-    "swapped_cells": "exchange the cables of {place}, or their channels in the shoe file",
-    "crosstalk": "check ground and supply of {place}, and where the second one is mounted",
-    "cell_position": "measure where {place} is mounted, and correct its position in the shoe file",
-    "off_axis_load": "decouple the cells of {place} from sideways forces",
-    "latency": "correct the stamps of {place} by the delay found",
-    "low_pass": "shorten the filter of {place}, in the amplifier or the driver",
-    "total_mass": "weigh the robot, and pass its weight: --weight-kg",
-    "payload": "take the mass off {place}, or enter it in the robot's URDF",
-    "link_com": "correct the centre of mass of {place} in the robot's URDF",
-    "joint_offset": "set the encoder zero of {place}",
-    "joint_compliance": "check gears and mounting of {place}",
-    "backlash": "check the play in the gears of {place}",
-    "foot_placement": "check how the shoe of {place} sits, or correct its sole in the robot file",
-    "slip": "repeat the run in which {place} slipped, on a floor with more grip",
-    "floor_tilt": "level the floor, or record elsewhere",
-    "soft_ground": "record on a hard floor",
-    "inertia": "record slower motions",
-}
-"""By effect; of a user's own there is none."""
+from shoecal_core.error_sources.effects.words import words_of
 
 
 def action(diagnosis: Diagnosis) -> Action:
@@ -59,10 +29,9 @@ def action(diagnosis: Diagnosis) -> Action:
     alike = [one for one in diagnosis.causes if one.effect == first.effect]
     places = dict.fromkeys(name for one in alike for name in one.location)
     where = " and ".join(places) or "the robot"
-    cure = CURES.get(first.effect, f"look into {first.effect.replace('_', ' ')} at {{place}}")
     numbers = sorted({one.run for one in alike if one.run is not None})
     runs = f" (run{'s'[: len(numbers) > 1]} {', '.join(map(str, numbers))})" if numbers else ""
-    return Action(f"{cure.format(place=where)}{runs}", shrink.cop_mae_mm)
+    return Action(f"{words_of(first.effect).cure.format(place=where)}{runs}", shrink.cop_mae_mm)
 
 
 def _where(diagnosis: Diagnosis) -> str:

@@ -47,7 +47,7 @@ class Assessment:
         error_model: of the expected errors at any load.
         both, left, right: expected errors over the sensing polygons: see `ErrorModel`.
         budget: where they come from; None for a walk, whose model errors are not known.
-        told: what the data identify by themselves: rank, singular values, weak directions.
+        identifiability: by the data themselves: rank, singular values, weak directions.
         support_to_add: double support that would fix weak directions best; None where none is
             weak, or the robot can stand in none.
         seen_std: (2n,) of gains and offsets without the patterns that no data show, as they
@@ -61,7 +61,7 @@ class Assessment:
     left: Spread
     right: Spread
     budget: Budget | None
-    told: Identifiability
+    identifiability: Identifiability
     support_to_add: DoubleSupport | None
     seen_std: FloatArray
     load_range: FloatArray
@@ -108,7 +108,7 @@ class Assessment:
                 "cop_std_mm": 1e3 * _rms(spread.cop_length),
                 "cop_worst_mm": 1e3 * float(np.nanmax(spread.cop_mean)),
             }
-        found, add = self.told, self.support_to_add
+        found, add = self.identifiability, self.support_to_add
         return {
             "gain_ci95": dict(zip(shoe.names, width[:count].tolist(), strict=True)),
             "offset_ci95_n": dict(zip(shoe.names, width[count:-1].tolist(), strict=True)),
@@ -177,7 +177,7 @@ def assess(
         left=left,
         right=right,
         budget=None if joint is None else budget(joint, errors, (both, left, right)),
-        told=found,
+        identifiability=found,
         support_to_add=best_addition(robot, shoe, known, planning) if found.weak else None,
         seen_std=_seen_std(robot, stages, covariance, planning),
         load_range=np.stack((np.min(ends, axis=(0, 1)), np.max(ends, axis=(0, 1)))),

@@ -75,7 +75,7 @@ def error_name(assessed: Assessment) -> str:
 
 def possible(assessed: Assessment) -> int:
     """Directions that the data could have fixed."""
-    return max(assessed.told.possible, assessed.told.rank)
+    return max(assessed.identifiability.possible, assessed.identifiability.rank)
 
 
 def rms(values: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> float:
@@ -298,7 +298,7 @@ def _expected(content: CalibrationReport, assessed: Assessment) -> Group:
 
 
 def _fixed(assessed: Assessment) -> Group:
-    found, support = assessed.told, assessed.support_to_add
+    found, support = assessed.identifiability, assessed.support_to_add
     add = None if support is None else f"right foot at {support} of the left"
     if found.weak:
         text = (

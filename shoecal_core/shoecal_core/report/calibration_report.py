@@ -124,7 +124,7 @@ def _key_figures(content: CalibrationReport) -> tuple[KeyFigure, ...]:
         # What to plan with comes first: against the model nearly every fit looks good.
         keys = [*expected, *keys] if carried(assessed) else [*keys, *expected]
         keys += [
-            KeyFigure("identified", f"{assessed.told.rank} of {possible(assessed)}",
+            KeyFigure("identified", f"{assessed.identifiability.rank} of {possible(assessed)}",
                       "directions of gains and offsets"),
             KeyFigure("time offset", late, "joints after readings; 95 % interval"),
         ]  # fmt: skip

@@ -8,15 +8,15 @@ from collections.abc import Mapping
 import numpy as np
 
 from shoecal_core.diagnosis.result import VERDICT_TEXTS, Cause, Diagnosis, Shrink, Verdict
+from shoecal_core.error_sources.effects.words import name_of
 from shoecal_core.error_sources.signals import COP, GRF
 from shoecal_core.estimation.metrics import cop_mae, grf_mae
 from shoecal_core.report.diagnosis_words import (
     candidate_text,
-    effect_text,
     finding_text,
     listed,
-    place_text,
     sizes_text,
+    state_text,
     where_text,
 )
 from shoecal_core.report.figures.named_bars import percent
@@ -161,11 +161,9 @@ def _cause_line(cause: Cause, likely: str, unlikely: str) -> str:
 
 
 def cause_text(cause: Cause) -> str:
-    """What it is, where and how big."""
-    place = place_text(cause.effect, cause.location)
-    run = "" if cause.run is None else f", in run {cause.run}"
+    """Where it is, what it does, its name and how big it is."""
     size = sizes_text(cause)
-    text = f"{effect_text(cause.effect)}{f' ({place}{run})' if place or run else ''}"
+    text = f"{state_text(cause)} ({name_of(cause.effect)})"
     return f"{text}: {size}" if size else text
 
 

@@ -2,28 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.result import Diagnosis, Evidence, Fitted
-from shoecal_core.report import palette
-from shoecal_core.report.figures import residual_field
 from shoecal_core.report.figures.feet import foot_shape
 from shoecal_core.report.figures.named_bars import percent
 from shoecal_core.report.figures.residual_field import (
     Field,
-    SoleOutline,
-    field_under_feet,
+    FieldPanel,
     magnification,
+    residual_fields,
 )
 from shoecal_core.report.page import Picture
-from shoecal_core.report.palette import AFTER, BEFORE
+from shoecal_core.report.palette import AFTER, BEFORE, Look
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
-from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.shoe import FEET, Shoe
 
 FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 LEAST_EXCESS = 0.2
 """Excess over noise, as a part of it, from which it is worth asking who makes it."""
 CELL_M = 0.008
@@ -87,7 +86,7 @@ def in_sole(evidence: Evidence, values: FloatArray, foot: int, *, vectors: bool)
     return brought
 
 
-def field(places: FloatArray, arrows: FloatArray, force: FloatArray) -> Field:
+def mean_field(places: FloatArray, arrows: FloatArray, force: FloatArray) -> Field:
     """Means over the squares of a grid in which there are enough samples.
 
     Args:
@@ -116,22 +115,22 @@ def field(places: FloatArray, arrows: FloatArray, force: FloatArray) -> Field:
     )
 
 
-def field_between(evidence: Evidence, fitted: Fitted, rows: BoolArray) -> Field:
-    """Residual over the modelled CoP, in the left sole's frame, of samples `rows` (T,)."""
-    return field(
-        in_sole(evidence, evidence.cop, 0, vectors=False)[rows],
-        in_sole(evidence, cop_residual(evidence, fitted), 0, vectors=True)[rows],
-        signal(evidence, fitted, "grf")[rows],
-    )
+def field_of(evidence: Evidence, fitted: Fitted, foot: int | None = None) -> Field:
+    """Residual of both feet together over the CoP.
 
-
-def field_under(evidence: Evidence, fitted: Fitted, rows: BoolArray, foot: int) -> Field:
-    """Residual of both feet over the CoP of one foot, in its sole frame, of samples `rows` (T,)."""
-    return field(
-        evidence.foot_cop[rows, foot],
-        in_sole(evidence, cop_residual(evidence, fitted), foot, vectors=True)[rows],
-        signal(evidence, fitted, "grf")[rows],
+    Args:
+        evidence, fitted: whose residual.
+        foot: over the CoP of this foot, in its sole frame; None: over that of both feet together,
+            as modelled, in the left sole's frame.
+    """
+    frame = foot or 0
+    places = (
+        in_sole(evidence, evidence.cop, frame, vectors=False)
+        if foot is None
+        else evidence.foot_cop[:, foot]
     )
+    arrows = in_sole(evidence, cop_residual(evidence, fitted), frame, vectors=True)
+    return mean_field(places, arrows, signal(evidence, fitted, "grf"))
 
 
 def accounted_for(evidence: Evidence, fitted: Fitted, foot: int, place: FloatArray) -> float:
@@ -163,32 +162,40 @@ def place_pictures(
     diagnosis: Diagnosis, evidence: Evidence, robot: Robot, shoe: Shoe
 ) -> tuple[Picture, ...]:
     """Residuals on the feet, before and after."""
-    every = np.ones(len(evidence.time), dtype=bool)
-    alone = evidence.explained is None
-    pairs = [("" if alone else ", nothing added", evidence.without, BEFORE)]
+    fits = [("" if evidence.explained is None else ", nothing added", evidence.without, BEFORE)]
     if evidence.explained is not None:
-        pairs.append((", with what was found", evidence.explained, AFTER))
+        fits.append((", with what was found", evidence.explained, AFTER))
+    return (
+        *_between_feet(evidence, robot, shoe, fits),
+        *_under_feet(diagnosis, evidence, robot, shoe, fits),
+    )
+
+
+def _between_feet(
+    evidence: Evidence, robot: Robot, shoe: Shoe, fits: Sequence[tuple[str, Fitted, Look]]
+) -> list[Picture]:
     supports = [stands(evidence, int(run)) for run in np.unique(evidence.run)]
     known = [one for one in dict.fromkeys(supports) if one is not None]
-    fields = [field_between(evidence, fitted, every) for _, fitted, _ in pairs]
+    fields = [field_of(evidence, fitted) for _, fitted, _ in fits]
+    if not known or not any(len(one.places) for one in fields):
+        return []
+    left = foot_shape(robot, shoe, 0)
+    right, *others = [foot_shape(robot, shoe, 1, support) for support in known]
+    thin = [foot.outline for foot in others]
     times = magnification(fields, cop_noise(evidence))
-    pictures = []
-    for (label, _, look), one in zip(pairs, fields, strict=True):
-        if not known or not len(one.places):
-            continue
-        left = foot_shape(robot, shoe, 0)
-        rights = [foot_shape(robot, shoe, 1, support) for support in known]
-        pictures.append(
-            Picture(
-                f"CoP error between the feet{label}",
-                residual_field.field_between(left, rights, one, look, times),
-                "Each arrow starts where the model has the CoP and points to where the shoes "
-                "measured it. Look for arrows that all point one way or grow towards one place: "
-                "noise alone leaves short ones in all directions."
-                + (" Thin outlines: other places of the right foot." if len(known) > 1 else ""),
-            )
+    return [
+        Picture(
+            f"CoP error between the feet{label}",
+            residual_fields(
+                [FieldPanel((right, left), one, "both feet together", thin)], look, times
+            ),
+            "Each arrow starts where the model has the CoP and points to where the shoes "
+            "measured it. Look for arrows that all point one way or grow towards one place: "
+            "noise alone leaves short ones in all directions."
+            + (" Thin outlines: other places of the right foot." if thin else ""),
         )
-    return (*pictures, *_under_feet(diagnosis, evidence, robot, shoe, pairs))
+        for (label, _, look), one in zip(fits, fields, strict=True)
+    ]
 
 
 def _under_feet(
@@ -196,36 +203,32 @@ def _under_feet(
     evidence: Evidence,
     robot: Robot,
     shoe: Shoe,
-    pairs: list[tuple[str, Fitted, palette.Look]],
+    fits: Sequence[tuple[str, Fitted, Look]],
 ) -> list[Picture]:
-    every = np.ones(len(evidence.time), dtype=bool)
-    fields = [
-        [field_under(evidence, fitted, every, foot) for foot in (0, 1)] for _, fitted, _ in pairs
-    ]
-    times = magnification([one for both in fields for one in both], cop_noise(evidence))
+    fields = [[field_of(evidence, fitted, foot) for foot in (0, 1)] for _, fitted, _ in fits]
+    every = [one for both in fields for one in both]
+    times = magnification(every, cop_noise(evidence))
+    largest = max((float(np.abs(one.force).max()) for one in every if len(one.force)), default=0.0)
     shares, meaning = _cell_shares(diagnosis), "its share of the gap"
     if not shares:
-        shares, meaning = (
-            _accounted_for(evidence, shoe),
-            "what one wrong force there could account for",
-        )
-    forces = np.concatenate([one.force for both in fields for one in both])
-    largest = float(np.abs(forces).max()) if len(forces) else 0.0
+        shares = _accounted_for(evidence, shoe)
+        meaning = "what one wrong force there could account for"
     pictures = []
-    for (label, _, look), both in zip(pairs, fields, strict=True):
-        soles = [
-            SoleOutline(foot_shape(robot, shoe, foot), both[foot],
-                 _at_cells(shoe, foot, shares) if label == pairs[0][0] else ())
-            for foot in (0, 1)
+    for (label, fitted, look), both in zip(fits, fields, strict=True):
+        shown = shares if fitted is evidence.without else {}
+        panels = [
+            FieldPanel((foot_shape(robot, shoe, foot),), one, f"{FEET[foot]} foot",
+                       shares=_at_cells(shoe, foot, shown))
+            for foot, one in enumerate(both)
         ]  # fmt: skip
-        numbers = f" Per cent at a cell: {meaning}." if any(one.shares for one in soles) else ""
         pictures.append(
             Picture(
                 f"Error by where each foot was loaded{label}",
-                field_under_feet(soles, look, times, largest),
+                residual_fields(panels, look, times, largest),
                 "Arrows and circles stand where the foot's own CoP was, and show how far the CoP "
                 "and GRF of both feet together were off then. Where circles grow, look at the "
-                f"cells that carry the load there.{numbers}",
+                "cells that carry the load there."
+                + (f" Per cent at a cell: {meaning}." if shown else ""),
             )
         )
     return pictures

@@ -5,12 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
-
 from shoecal_core.diagnosis.result import Diagnosis
 from shoecal_core.report.diagnosis_answer import key_figures, run_text, verdict_of
 from shoecal_core.report.diagnosis_figures import (
-    hidden_rms_mm,
     quiet_signals,
     ranking_picture,
     share_picture,
@@ -22,14 +19,12 @@ from shoecal_core.report.diagnosis_tables import (
     blind_spots_table,
     budget_table,
     causes_table,
-    hidden_table,
     notes_table,
     shrink_table,
 )
 from shoecal_core.report.diagnosis_words import label_text, listed, motion_text, signal_text
 from shoecal_core.report.html import write_page
 from shoecal_core.report.page import Group, Page, Section, Table
-from shoecal_core.report.quantities import size
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import Shoe
 
@@ -66,7 +61,6 @@ def diagnosis_page(
         _alike(diagnosis),
         _unseen(diagnosis),
         _shrink(diagnosis),
-        _hidden(diagnosis),
         _next(diagnosis),
         _notes(diagnosis, robot, shoe),
     )
@@ -156,24 +150,6 @@ def _shrink(diagnosis: Diagnosis) -> Section | None:
     group = Group(tables=(shrink_table(diagnosis),))
     title = "Before and after, on runs not used" if diagnosis.test else "Before and after"
     return Section(title, (group,), text)
-
-
-def _hidden(diagnosis: Diagnosis) -> Section | None:
-    if not diagnosis.causes:
-        return None
-    text = (
-        "A calibration bends gains, offsets and CoP corrections until they imitate an effect that "
-        "its model lacks: residuals get small while the true CoP stays wrong. This much of each "
-        "effect would have gone unseen in that way."
-    )
-    if diagnosis.evidence is not None:
-        whole, shown = hidden_rms_mm(diagnosis.evidence)
-        if np.isfinite(whole) and np.isfinite(shown):
-            text += (
-                f" What was found moves the CoP by {size(whole, 'mm')} (RMS); after gains and "
-                f"offsets were fitted around it, {size(shown, 'mm')} of it still showed."
-            )
-    return _plain("The hidden part", hidden_table(diagnosis), text)
 
 
 def _next(diagnosis: Diagnosis) -> Section:

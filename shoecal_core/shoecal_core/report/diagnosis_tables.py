@@ -5,7 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Sequence
 
+import numpy as np
+
 from shoecal_core.diagnosis.result import Candidate, Diagnosis, Shrink, SimulatedShrink
+from shoecal_core.error_sources.effects.words import WORDS, name_of, words_of
 from shoecal_core.report.diagnosis_answer import (
     interval_text,
     millimetres,
@@ -13,21 +16,19 @@ from shoecal_core.report.diagnosis_answer import (
     shrink_text,
     whole_shrink,
 )
+from shoecal_core.report.diagnosis_figures import hidden_rms_mm
 from shoecal_core.report.diagnosis_words import (
-    EFFECTS,
     candidate_text,
     effect_of,
-    effect_text,
     label_text,
     listed,
-    name_of,
     sizes_text,
     why_alike,
 )
 from shoecal_core.report.figures.named_bars import percent
 from shoecal_core.report.origin import robot_text, shoe_text
 from shoecal_core.report.page import Table
-from shoecal_core.report.quantities import SPACE, UNKNOWN
+from shoecal_core.report.quantities import SPACE, UNKNOWN, size
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import Shoe
 
@@ -38,16 +39,32 @@ MOST_ALIKE = 3
 _PLACES = re.compile(r"(\w+)((?: of | between )[^(]+)? (\(\d+ of \d+ places.*\))$")
 
 
+HIDDEN = (
+    "Hidden: the CoP error that a calibration absorbs, as it bends gains and offsets until they "
+    "imitate an effect that its model lacks."
+)
+
+
 def causes_table(diagnosis: Diagnosis) -> Table:
-    """What was found."""
+    """What was found, and how much of it a calibration would have hidden."""
+    note = HIDDEN
+    if diagnosis.evidence is not None:
+        whole, shown = hidden_rms_mm(diagnosis.evidence)
+        if np.isfinite(whole) and np.isfinite(shown):
+            note += (
+                f" What was found moves the CoP by {size(whole, 'mm')} (RMS); after gains and "
+                f"offsets were fitted around it, {size(shown, 'mm')} of it still showed."
+            )
     return Table(
         "What was found",
-        ("effect and place", "that is", "class", "size", "probability"),
+        ("effect and place", "what it does", "class", "size", "probability", "hidden"),
         tuple(
-            (candidate_text(cause), effect_text(cause.effect), cause.group.replace("_", " "),
-             sizes_text(cause) or UNKNOWN, percent(cause.probability))
+            (candidate_text(cause), words_of(cause.effect).state, name_of(cause.group),
+             sizes_text(cause) or UNKNOWN, percent(cause.probability),
+             millimetres(cause.hidden_cop_mm))
             for cause in diagnosis.causes
         ),
+        note,
     )  # fmt: skip
 
 
@@ -101,7 +118,7 @@ def blind_spots_table(diagnosis: Diagnosis) -> Table | None:
         return None
     return Table(
         "Not to be seen in this session",
-        ("it could be there", "that is", "where, or why it would not be seen"),
+        ("it could be there", "what it does", "where, or why it would not be seen"),
         tuple(_blind_spot(text) for text in diagnosis.cannot_detect),
     )
 
@@ -111,10 +128,10 @@ def _blind_spot(text: str) -> tuple[str, str, str]:
     found = _PLACES.match(text)
     if found is not None:
         effect, common, places = found.groups("")
-        return (name_of(effect), effect_text(effect), _where(common.strip(), places))
+        return (name_of(effect), words_of(effect).state, _where(common.strip(), places))
     what, _, why = text.partition(": ")
-    meaning = EFFECTS.get(effect_of(what), UNKNOWN)
-    return (label_text(what), meaning, why or UNKNOWN)
+    known = WORDS.get(effect_of(what))
+    return (label_text(what), known.state if known else UNKNOWN, why or UNKNOWN)
 
 
 def _where(common: str, places: str) -> str:
@@ -152,17 +169,6 @@ def _shrink_row(label: str, shrink: Shrink | SimulatedShrink) -> tuple[str, ...]
     return (
         label, share, _from_to(shrink.cop_mae_mm, millimetres), _from_to(shrink.grf_mae_n, newtons),
     )  # fmt: skip
-
-
-def hidden_table(diagnosis: Diagnosis) -> Table:
-    """What a calibration would have swallowed."""
-    return Table(
-        "Hidden by a calibration",
-        ("effect", "CoP error it would absorb"),
-        tuple(
-            (candidate_text(cause), millimetres(cause.hidden_cop_mm)) for cause in diagnosis.causes
-        ),
-    )
 
 
 def notes_table(diagnosis: Diagnosis, robot: Robot, shoe: Shoe) -> Table:

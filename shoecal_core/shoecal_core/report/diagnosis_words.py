@@ -6,66 +6,9 @@ import math
 from collections.abc import Mapping, Sequence
 
 from shoecal_core.diagnosis.result import Candidate, Cause, Size, Where
+from shoecal_core.error_sources.effects.words import name_of, words_of
 from shoecal_core.report.quantities import SPACE, UNKNOWN, number
 from shoecal_core.shoe.shoe import FEET
-
-EFFECTS: Mapping[str, str] = {
-    "nonlinearity": "readings that bend with the load",
-    "saturation": "readings that stop at a level",
-    "hysteresis": "readings that depend on whether the load came or went",
-    "creep": "readings that go on moving under a constant load",
-    "zero_offset": "readings whose zero is off in one run",
-    "zero_drift": "readings whose zero drifts",
-    "span_drift": "readings whose gain drifts",
-    "stuck_cell": "a reading that stays where it was",
-    "swapped_cells": "two cells whose cables are exchanged",
-    "crosstalk": "a cell that also shows what another one carries",
-    "cell_position": "a cell that is not where the shoe file says",
-    "off_axis_load": "cells that also show sideways forces",
-    "latency": "readings that come late",
-    "low_pass": "readings that lag behind a filter",
-    "total_mass": "a robot that is heavier or lighter than its model",
-    "payload": "a mass that the model does not know",
-    "link_com": "a centre of mass that is not where the model has it",
-    "joint_offset": "an encoder that reads a wrong angle",
-    "joint_compliance": "joints that give under load",
-    "backlash": "play in the gears",
-    "foot_placement": "a foot that sits elsewhere on the leg than the model has it",
-    "slip": "a foot that slipped",
-    "floor_tilt": "a floor that is not level",
-    "soft_ground": "a floor that gives under the shoe",
-    "inertia": "a body that is accelerated, so that its CoP is not below its CoM",
-}
-"""What each effect of the library is; others stand under their own name."""
-
-STATES: Mapping[str, str] = {
-    "nonlinearity": "bends with load",
-    "saturation": "saturates",
-    "hysteresis": "has hysteresis",
-    "creep": "creeps under load",
-    "zero_offset": "has a shifted zero",
-    "zero_drift": "has a drifting zero",
-    "span_drift": "has a drifting gain",
-    "stuck_cell": "is stuck",
-    "swapped_cells": "has its cable at the other's place",
-    "crosstalk": "shows the other's load",
-    "cell_position": "is not where the shoe file says",
-    "off_axis_load": "feels sideways forces",
-    "latency": "reads late",
-    "low_pass": "lags behind a filter",
-    "total_mass": "weighs other than its file says",
-    "payload": "carries a mass that the model does not know",
-    "link_com": "has its centre of mass elsewhere than in the URDF",
-    "joint_offset": "has an encoder offset",
-    "joint_compliance": "gives under load",
-    "backlash": "has backlash",
-    "foot_placement": "is mounted elsewhere than modelled",
-    "slip": "slipped",
-    "floor_tilt": "is on a floor that is not level",
-    "soft_ground": "is on soft ground",
-    "inertia": "moves too fast to be taken as standing still",
-}
-"""What each effect does at its place, after the place's name."""
 
 SIGNALS: Mapping[str, str] = {
     "grf": "GRF",
@@ -152,19 +95,9 @@ _SHOWN: Mapping[str, tuple[float, str]] = {
 _PLAIN_FACTOR = {"inertia"}
 
 
-def effect_text(effect: str) -> str:
-    """What an effect is; one of a user's own keeps its name."""
-    return EFFECTS.get(effect, effect.replace("_", " "))
-
-
 def signal_text(signal: str) -> str:
     """What a signal is."""
     return SIGNALS.get(signal, signal.replace("_", " "))
-
-
-def name_of(effect: str) -> str:
-    """An effect's identifier as a name."""
-    return effect.replace("_", " ")
 
 
 def place_text(effect: str, location: Sequence[str]) -> str:
@@ -192,6 +125,11 @@ def candidate_text(one: Candidate | Cause) -> str:
 
 def finding_text(cause: Cause) -> str:
     """Place, effect and probability: `left/front_left bends with load (96 %)`."""
+    return f"{state_text(cause)} ({100.0 * cause.probability:.0f}{SPACE}%)"
+
+
+def state_text(cause: Cause) -> str:
+    """Place and effect: `left/front_left bends with load`."""
     places = [f"{name} foot" if name in FEET else name for name in cause.location]
     if not places:
         where = "the robot"
@@ -201,9 +139,8 @@ def finding_text(cause: Cause) -> str:
         where = places[0] if len(places) == 1 else f"each of {listed(places)}"
     if cause.effect == "crosstalk" and len(places) == 2:
         where = places[0]
-    state = STATES.get(cause.effect, f"shows {name_of(cause.effect)}")
     run = "" if cause.run is None else f" in run {cause.run}"
-    return f"{where} {state}{run} ({100.0 * cause.probability:.0f}{SPACE}%)"
+    return f"{where} {words_of(cause.effect).state}{run}"
 
 
 def label_text(label: str) -> str:

@@ -93,25 +93,33 @@ PAGE = """\
 <p class="text">{{ group.text | true_minus }}</p>
 {% endif %}
 {% if group.player %}
-<figure class="player">
+<figure class="player" hidden>
 <h4>{{ group.player.title }}</h4>
 <div class="views">
-{% for svg in group.player.svgs %}
-{{ svg | svg }}
+{% for view in group.player.views %}
+{% set left, top, width, height = view.box %}
+<div><p>{{ view.title }}</p>
+<svg viewBox="{{ view.box | join(' ') }}" font-size="{{ 0.03 * [width, height] | max }}" role="img"
+ aria-label="The robot {{ view.title }}">
+<g class="scale"><path d="M{{ left + width }} {{ top + height - 5 }}v4h-100v-4"/>
+<text x="{{ left + width - 105 }}" y="{{ top + height - 5 }}">100 mm</text></g></svg></div>
 {% endfor %}
 </div>
-<div class="controls" hidden>
+<p class="marks"><span class="left">left leg</span><span class="right">right leg</span>
+<span class="body">body</span><span class="com">CoM</span>
+<span class="cop">CoP (the CoM’s ground projection)</span></p>
+<div class="controls">
 <button type="button">Play</button>
 <input type="range" min="0" max="{{ group.player.duration }}" step="0.1"
- value="{{ group.player.still }}" aria-label="Time">
-<output>{{ group.player.still }} s</output>
+ value="{{ group.player.duration / 2 }}" aria-label="Time">
+<output></output>
 <label>Speed <select>
 {% for speed in speeds %}
 <option value="{{ speed }}"{% if speed == usual_speed %} selected{% endif %}>{{ speed }}×</option>
 {% endfor %}
 </select></label>
 </div>
-<script type="application/json">{{ group.player.frames | svg }}</script>
+<script type="application/json">{{ group.player.data | svg }}</script>
 {% if group.player.caption %}
 <figcaption>{{ group.player.caption }}</figcaption>
 {% endif %}

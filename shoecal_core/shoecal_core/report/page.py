@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from shoecal_core.errors import ShoecalError
+from shoecal_core.report.player import Player
 
 LEVELS = ("PASS", "WARN", "FAIL")
 
@@ -90,26 +91,6 @@ class Table:
                     f"table '{self.title}': a row has {len(row)} cells, its header "
                     f"{len(self.header)}"
                 )
-
-
-@dataclass(frozen=True)
-class Player:
-    """An animation.
-
-    Attributes:
-        title, caption: above and below it.
-        svgs: `<svg>` elements that show a still of it.
-        frames: JSON for the script that moves them; see report/player.py.
-        duration: of the motion [s].
-        still: the time that the still shows [s].
-    """
-
-    title: str
-    svgs: tuple[str, ...]
-    frames: str
-    duration: float
-    still: float
-    caption: str = ""
 
 
 @dataclass(frozen=True)

@@ -21,8 +21,9 @@ from shoecal_core.report.page import (
     Section,
     Table,
 )
+from shoecal_core.report.plan_animation import animation
 from shoecal_core.report.plan_content import PlannedMotion
-from shoecal_core.report.plan_figures import animation, motion_pictures
+from shoecal_core.report.plan_figures import motion_pictures
 from shoecal_core.report.quantities import double_support_text, quantity
 from shoecal_core.report.sheet import SheetFigure, write_sheet
 from shoecal_core.report.svg import readable

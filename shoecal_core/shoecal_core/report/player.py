@@ -1,7 +1,6 @@
-"""An animation within a page: shapes of an SVG that follow points in time.
+"""An animation within a page: a script draws shapes through points that move in time.
 
-The figure as it stands is a still. The script below moves it: every element inside a `data-view`
-group names the points it is drawn through, and the frames hold where these are.
+Python says where points are and which shapes go through them; all drawing is the script's.
 """
 
 from __future__ import annotations
@@ -9,147 +8,169 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-
-from shoecal_core.errors import ShapeError
 
 FloatArray = NDArray[np.float64]
 
 SPEEDS = (1, 2, 4, 8)
 USUAL_SPEED = 4
 
+Shape = tuple[str, str, Sequence[int], float | str | None]
+"""CSS class; kind; indices of points; what else the kind needs.
+
+Kinds: `line` through pairs of points (width in mm or None: that of the class), `area` within
+points (the foot of which it is the sole, `l` or `r`, or None), `way` of a point over the whole
+motion, `trace` of it until now, `ring` about a point (radius in mm), `text` at a point (words).
+"""
+
 
 @dataclass(frozen=True)
 class PlayerView:
-    """How points are projected into a figure: u = au + su p[axis_u], v = av + sv p[axis_v].
+    """A side from which the points are seen.
 
     Attributes:
-        axes: two of 0, 1, 2: what goes to the right, and what goes along the vertical.
-        scales: units a metre; negative where an axis points to the left or upwards.
-        offsets: of the origin, in units.
+        title: above it.
+        right, down: axis (0, 1 or 2) and sign (1 or -1) of what is to the right and downwards.
+        box: left, upper edge, width and height of what is shown [mm].
+        shapes: the first is drawn first.
     """
 
-    axes: tuple[int, int]
-    scales: tuple[float, float]
-    offsets: tuple[float, float]
-
-    def project(self, points: FloatArray) -> FloatArray:
-        """Points (..., 3) [m] to units (..., 2)."""
-        seen: FloatArray = points[..., list(self.axes)] * self.scales + np.array(self.offsets)
-        return seen
-
-    @property
-    def attribute(self) -> str:
-        """For the script, for points in millimetres."""
-        numbers = (
-            (axis, scale / 1e3, offset)
-            for axis, scale, offset in zip(self.axes, self.scales, self.offsets, strict=True)
-        )
-        return " ".join(f"{axis} {scale:.5g} {offset:.6g}" for axis, scale, offset in numbers)
+    title: str
+    right: tuple[int, int]
+    down: tuple[int, int]
+    box: tuple[float, float, float, float]
+    shapes: tuple[Shape, ...]
 
 
 @dataclass(frozen=True)
-class PlayerFrames:
-    """Where points are over time.
+class Player:
+    """An animation.
 
     Attributes:
-        duration: from the first to the last frame [s].
-        points: (F, P, 3) at equal distances in time [m].
+        title, caption: above and below it.
+        views: of it.
+        points: see PlayerPoints.
+        duration: of the motion [s].
         lifted: one letter a frame: the foot in the air, `l`, `r`, or `-` for none.
-        decimals: of millimetres, a point.
     """
 
+    title: str
+    views: tuple[PlayerView, ...]
+    points: PlayerPoints
     duration: float
-    points: FloatArray
     lifted: str
-    decimals: tuple[int, ...]
+    caption: str = ""
 
-    def __post_init__(self) -> None:
-        wanted = (len(self.lifted), len(self.decimals), 3)
-        if self.points.shape != wanted:
-            raise ShapeError("frames", str(wanted), self.points.shape)
-
-    def to_json(self) -> str:
-        """For the script: of each point three lists [mm], a number where one never changes."""
-        tracks = [
-            [_track(1e3 * self.points[:, point, axis], decimals) for axis in range(3)]
-            for point, decimals in enumerate(self.decimals)
-        ]
-        frames = {"duration": round(self.duration, 3), "lifted": self.lifted, "points": tracks}
+    @property
+    def data(self) -> str:
+        """JSON for the script."""
+        views = [{"right": one.right, "down": one.down, "shapes": one.shapes} for one in self.views]
+        rest = {"duration": self.duration, "lifted": self.lifted, "views": views}
         # A name that closes the script element must not be able to.
-        return json.dumps(frames, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+        return f'{{"points":{self.points.data},{_json(rest)[1:]}'.replace("<", "\\u003c")
 
 
-def _track(values: FloatArray, decimals: int) -> float | list[float]:
-    rounded = np.round(values, decimals) + 0.0
-    numbers = [int(value) if decimals == 0 else float(value) for value in rounded]
+class PlayerPoints:
+    """Where points are in each frame; those that move alike are kept once.
+
+    Args:
+        frames: how many, at equal distances in time.
+    """
+
+    def __init__(self, frames: int) -> None:
+        self._frames = frames
+        self._tracks: dict[str, int] = {}
+
+    def add(self, places: FloatArray, decimals: int = 0) -> list[int]:
+        """Indices of points (F, k, 3), or (k, 3) that never move [m].
+
+        Args:
+            places: of the points.
+            decimals: of millimetres that are kept.
+        """
+        moving = np.broadcast_to(places, (self._frames, *places.shape[-2:]))
+        tracks = np.round(1e3 * moving, decimals).transpose(1, 2, 0).tolist()
+        return [
+            self._tracks.setdefault(_json([_track(axis) for axis in point]), len(self._tracks))
+            for point in tracks
+        ]
+
+    @property
+    def data(self) -> str:
+        """JSON: of each point three lists over the frames [mm], a number where one is constant."""
+        return f"[{','.join(self._tracks)}]"
+
+
+def _track(values: list[float]) -> float | list[float]:
+    numbers = [int(value) if value.is_integer() else value for value in values]
     return numbers[0] if len(set(numbers)) == 1 else numbers
+
+
+def _json(value: object) -> str:
+    return json.dumps(value, separators=(",", ":"), allow_nan=False)
 
 
 SCRIPT = """\
 "use strict";
 const calm = matchMedia("(prefers-reduced-motion: reduce)");
 for (const figure of document.querySelectorAll("figure.player")) {
-const data = JSON.parse(figure.querySelector("script").textContent);
 const find = name => figure.querySelector(name);
+const data = JSON.parse(find("script").textContent), last = data.lifted.length - 1;
 const button = find("button"), slider = find("input"), shown = find("output");
-const speed = find("select"), last = data.lifted.length - 1;
-const value = (track, frame, part) => typeof track === "number" ? track :
- track[frame] + (part ? (track[frame + 1] - track[frame]) * part : 0);
-const numbers = text => text.split(" ").map(Number);
-const shapes = [];
-for (const view of figure.querySelectorAll("[data-view]")) {
-const [a, sa, oa, b, sb, ob] = numbers(view.dataset.view);
-const place = (point, frame, part) => [
- (oa + sa * value(data.points[point][a], frame, part)).toFixed(1),
- (ob + sb * value(data.points[point][b], frame, part)).toFixed(1)];
-for (const shape of view.querySelectorAll("[data-through]"))
- shapes.push([shape, numbers(shape.dataset.through), place]);
+const speed = find("select");
+const at = (track, frame) => typeof track === "number" ? track :
+ track[Math.floor(frame)] * (1 - frame % 1) + track[Math.ceil(frame)] * (frame % 1);
+const updates = [];
+figure.querySelectorAll("svg").forEach((svg, index) => {
+const {right: [a, right], down: [b, down], shapes} = data.views[index];
+const place = (point, frame) => [right * at(data.points[point][a], frame),
+ down * at(data.points[point][b], frame)].map(value => value.toFixed(1)).join(" ");
+const until = (point, frame) => "M" + Array.from({length: Math.floor(frame) + 1},
+ (_, before) => place(point, before)).concat(place(point, frame)).join("L");
+for (const [look, kind, points, more] of shapes) {
+const tag = kind === "text" ? "text" : "path";
+const shape = svg.appendChild(document.createElementNS(svg.namespaceURI, tag));
+const path = d => shape.setAttribute("d", d);
+shape.setAttribute("class", look);
+if (kind === "text") {
+shape.textContent = more;
+const [x, y] = place(points[0], 0).split(" ");
+shape.setAttribute("x", x); shape.setAttribute("y", y);
+} else if (kind === "ring")
+path(`M${place(points[0], 0)}m${more} 0a${more} ${more} 0 1 0 ${-2 * more} 0` +
+ `a${more} ${more} 0 1 0 ${2 * more} 0`);
+else if (kind === "way") path(until(points[0], last));
+else if (kind === "trace") updates.push(frame => path(until(points[0], frame)));
+else if (kind === "area") updates.push(frame => {
+path("M" + points.map(point => place(point, frame)).join("L") + "Z");
+shape.classList.toggle("lifted", more === data.lifted[Math.floor(frame)]);
+}); else {
+if (more) shape.setAttribute("stroke-width", more);
+updates.push(frame => path(points.map(
+ (point, end) => (end % 2 ? "L" : "M") + place(point, frame)).join("")));
 }
-const draw = (shape, points, place, frame, part) => {
-const kind = shape.dataset.kind;
-if (kind === "dot") {
-const [x, y] = place(points[0], frame, part);
-shape.setAttribute("cx", x); shape.setAttribute("cy", y);
-} else if (kind === "bones") {
-let d = "";
-points.forEach((point, i) => { d += (i % 2 ? "L" : "M") + place(point, frame, part).join(" "); });
-shape.setAttribute("d", d);
-} else if (kind === "area") {
-shape.setAttribute("d", "M" + points.map(
- point => place(point, frame, part).join(" ")).join("L") + "Z");
-} else {
-const way = [];
-for (let i = 0; i <= frame; i++) way.push(place(points[0], i, 0).join(" "));
-way.push(place(points[0], frame, part).join(" "));
-shape.setAttribute("d", "M" + way.join("L"));
 }
-};
-let time = Number(slider.value), before = null, playing = false;
+});
+let time = Number(slider.value), run = time, before = null, playing = false;
 const show = () => {
-const at = Math.min(time / data.duration, 1) * last;
-const frame = Math.min(Math.floor(at), last), part = frame < last ? at - frame : 0;
-for (const [shape, points, place] of shapes) draw(shape, points, place, frame, part);
-for (const sole of figure.querySelectorAll("[data-foot]"))
- sole.classList.toggle("lifted", sole.dataset.foot === data.lifted[frame]);
-const text = time.toFixed(1) + " s";
-for (const label of figure.querySelectorAll("[data-time]")) label.textContent = text;
+const frame = Math.min(time / data.duration, 1) * last, text = time.toFixed(1) + " s";
+for (const update of updates) update(frame);
 shown.textContent = text;
 slider.value = time;
 slider.setAttribute("aria-valuetext", text);
 };
 const set = on => { playing = on; before = null; button.textContent = on ? "Pause" : "Play";
  if (on) requestAnimationFrame(step); };
-let run = 0;
 const step = now => {
 if (!playing) return;
-if (before !== null) run += (now - before) / 1000 * Number(speed.value);
+const factor = Number(speed.value);
+if (before !== null) run += (now - before) / 1000 * factor;
 before = now;
-const still = Number(speed.value);
-time = Math.min(calm.matches ? Math.floor(run / still) * still : run, data.duration);
+time = Math.min(calm.matches ? Math.floor(run / factor) * factor : run, data.duration);
 if (run >= data.duration) { time = data.duration; set(false); }
 show();
 if (playing) requestAnimationFrame(step);
@@ -159,7 +180,8 @@ if (!playing) { if (time >= data.duration - 0.05) time = 0; run = time; }
 set(!playing);
 });
 slider.addEventListener("input", () => { time = run = Number(slider.value); show(); });
-find(".controls").hidden = false;
+figure.hidden = false;
+show();
 }
 """
 """Nothing starts by itself; where less motion is wished for, playing shows a still a second."""
@@ -167,33 +189,37 @@ find(".controls").hidden = false;
 
 STYLE = """\
 figure.player{margin-top:10px}
-.views{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,320px),1fr));gap:14px;
+.views{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,260px),1fr));gap:14px;
  align-items:start}
-.views svg{max-width:560px;font-size:10px}
-.views text{fill:var(--ink)}
-.views .s{font-size:9px}
-.views .m{fill:var(--muted)}
-.views .i{text-anchor:middle;font-weight:600}
-.views .e{text-anchor:end;font-variant-numeric:tabular-nums}
+.views p,.marks{font-size:13px;color:var(--muted)}
+.views svg{max-width:560px;max-height:420px}
+.views text{fill:var(--ink);text-anchor:middle;dominant-baseline:central}
+.views .scale text{fill:var(--muted);text-anchor:end}
 .views path{fill:none}
-.views .b{stroke-width:2.4;stroke-linecap:round}
-.views .c{stroke:var(--muted);stroke-opacity:.22;stroke-linecap:round}
-.views .d,.views .f,.views .r{stroke:var(--muted);stroke-width:.8}
-.views .d{stroke-dasharray:3 2}
-.views .k{fill:var(--muted)}
-.views .p{fill:var(--fail);stroke:var(--card);stroke-width:1}
-.views .o{stroke-width:1.6}
-.views .g{fill:var(--sole)}
-.views .lifted{fill-opacity:0;stroke:var(--muted);stroke-dasharray:2 2;stroke-width:1.2}
-.views .q{stroke:var(--muted);stroke-width:.9}
-.views .h{stroke:var(--slate);stroke-dasharray:4 2}
-.views .w{stroke:var(--muted);stroke-width:.8}
-.views .t{stroke:var(--blue);stroke-width:2.4;stroke-linecap:round}
-.views .l{fill:none;stroke:var(--ink);stroke-width:1.2}
-.views circle.n{stroke:var(--fail);stroke-dasharray:2.5 1.5}
-.views text.n{fill:var(--fail)}
+.views path:where(:not(.capsule)){stroke-width:1;vector-effect:non-scaling-stroke}
+.views .capsule{stroke:var(--muted);stroke-opacity:.22;stroke-linecap:round}
+.views .left,.views .right,.views .body{stroke-width:3;stroke-linecap:round}
+.left{stroke:var(--blue);color:var(--blue)}
+.right{stroke:var(--red);color:var(--red)}
+.body{stroke:var(--slate);color:var(--slate)}
+.com{stroke:var(--muted);color:var(--muted)}
+.cop{stroke:var(--fail);color:var(--fail)}
+.views .com,.views .cop{stroke-width:9;stroke-linecap:round}
+.views .plumb,.views .floor,.views .scale path,.views .way,.views .polygon{stroke:var(--muted)}
+.views .plumb{stroke-dasharray:3 2}
+.views .sole{fill:var(--sole);stroke-width:2;stroke-linecap:butt}
+.views .lifted{fill-opacity:0;stroke:var(--muted);stroke-dasharray:2 2}
+.views .hull{stroke:var(--slate);stroke-dasharray:4 2}
+.views .trace{stroke:var(--blue);stroke-width:2.5;stroke-linecap:round}
+.views .mark{stroke:var(--ink);stroke-width:1.3}
+.views .missed{stroke:var(--fail);stroke-dasharray:2.5 1.5}
+.views text.mark{stroke:none;font-weight:600}
+.views text.missed{fill:var(--fail)}
+.marks{display:flex;flex-wrap:wrap;gap:2px 16px;margin-top:8px}
+.marks span::before{content:"";display:inline-block;width:16px;height:3px;margin-right:6px;
+ vertical-align:middle;background:currentColor}
+.marks .com::before,.marks .cop::before{width:9px;height:9px;border-radius:50%}
 .controls{display:flex;flex-wrap:wrap;align-items:center;gap:8px 14px;margin-top:10px}
-.controls[hidden]{display:none}
 .controls button,.controls select{font:inherit;color:inherit;background:var(--paper);
  border:1px solid var(--muted);border-radius:6px;padding:5px 12px;min-height:36px}
 .controls button{min-width:76px;cursor:pointer}

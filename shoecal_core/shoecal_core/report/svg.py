@@ -32,8 +32,6 @@ TEXT = 10.0
 SMALL = 9.0
 LINE = 17.0
 """Units from one row of a legend to the next."""
-MAX_POINTS = 500
-"""Points of one drawn line: more than a column has pixels."""
 
 _NAMESPACE = "{http://www.w3.org/2000/svg}"
 _LINK = "{http://www.w3.org/1999/xlink}href"
@@ -122,6 +120,7 @@ def canvas(height: float) -> Iterator[Canvas]:
                 "grid.color": RULE.light,
                 "grid.linewidth": 0.6,
                 "hatch.color": INK.light,
+                "path.simplify_threshold": 0.8,
                 "legend.fontsize": SMALL,
                 "legend.frameon": False,
                 "legend.labelcolor": INK.light,
@@ -141,8 +140,7 @@ def canvas(height: float) -> Iterator[Canvas]:
 
 
 def draw_line(axes: Axes, x: FloatArray, y: FloatArray, look: Look, label: str = "") -> None:
-    """A line through points x (T,), y (T,), thinned out; NaN leaves a gap."""
-    x, y = thinned(x, y)
+    """A line through points x (T,), y (T,); NaN leaves a gap."""
     (line,) = axes.plot(x, y, color=look.colour.light, linewidth=look.width, label=label)
     line.set_solid_capstyle("round")
     if look.dashes:
@@ -176,25 +174,6 @@ def y_label(axes: Axes, text: str) -> None:
     """Name of the vertical axis, as far from the frame as in every other figure."""
     axes.set_ylabel(text)
     axes.yaxis.set_label_coords(-38.0 / (WIDTH * axes.get_position().width), 0.5)
-
-
-def thinned(x: FloatArray, y: FloatArray, most: int = MAX_POINTS) -> tuple[FloatArray, FloatArray]:
-    """At most about `most` points of a line (T,), with every peak and every gap still there.
-
-    Of each stretch of samples the one of the lowest y, the one of the highest, and one that is
-    NaN are kept.
-    """
-    if len(x) <= most:
-        return x, y
-    kept: set[int] = {0, len(x) - 1}
-    for part in np.array_split(np.arange(len(x)), most // 2):
-        gap = ~np.isfinite(y[part])
-        kept.update(part[gap][:1].tolist())
-        known = part[~gap]
-        if len(known):
-            kept.update((int(known[y[known].argmin()]), int(known[y[known].argmax()])))
-    order = np.array(sorted(kept))
-    return x[order], y[order]
 
 
 def readable(text: str, most: int = 28) -> str:

@@ -7,9 +7,10 @@ from dataclasses import replace
 import pytest
 
 from core.report.diagnoses import cause, diagnosis
-from shoecal_core.diagnosis.action import CURES, action
+from shoecal_core.diagnosis.action import action
 from shoecal_core.diagnosis.result import Where
 from shoecal_core.error_sources.effects.known import EFFECTS
+from shoecal_core.error_sources.effects.words import words_of
 
 FOUND = replace(diagnosis(), next_motion=None)
 
@@ -20,7 +21,7 @@ def test_there_is_a_cure_for_every_effect(effect: str) -> None:
     one = cause(effect, "load_cell", ("left/front_left",), 0.9, run=3)
     told = action(replace(FOUND, causes=(one,)))
     assert told.do.endswith("(run 3)")
-    assert ("left/front_left" in told.do) == ("{place}" in CURES[effect])
+    assert ("left/front_left" in told.do) == ("{place}" in words_of(effect).cure)
     assert told.expected_cop_mm == one.shrink.cop_mae_mm
 
 

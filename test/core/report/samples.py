@@ -101,7 +101,7 @@ def assessment_of(
     )
     both, left, right = model.over_polygons()
     known = relative_information(robot, shoe, parameters, fit.information[:size, :size])
-    told = identifiability(robot, shoe, known, PlannerSettings())
+    found = identifiability(robot, shoe, known, PlannerSettings())
     outputs = np.concatenate([parameters.outputs(one.readings) for one in training])
     return Assessment(
         covariance=covariance,
@@ -110,8 +110,8 @@ def assessment_of(
         left=left,
         right=right,
         budget=None,
-        told=told,
-        support_to_add=DoubleSupport(0.08, -0.11, 0.5) if told.weak else None,
+        identifiability=found,
+        support_to_add=DoubleSupport(0.08, -0.11, 0.5) if found.weak else None,
         seen_std=np.sqrt(np.diag(covariance)[:size]),
         load_range=np.stack((outputs.min(axis=0), outputs.max(axis=0))),
     )

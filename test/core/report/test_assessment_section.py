@@ -99,18 +99,20 @@ def test_where_the_model_s_errors_are_not_known_it_is_said(content: CalibrationR
 def test_what_was_left_open_and_what_to_add(content: CalibrationReport) -> None:
     """One training run alone leaves much open."""
     assessed = assessed_in(content)
-    assert assessed.told.weak
+    assert assessed.identifiability.weak
     shown = words(assessment_section(content, assessed))
-    for weak in assessed.told.weak:
+    for weak in assessed.identifiability.weak:
         assert weak.words in shown
     assert assessed.support_to_add is not None
     assert str(assessed.support_to_add) in shown
-    assert f"{assessed.told.rank} of {possible(assessed)} patterns" in shown
+    assert f"{assessed.identifiability.rank} of {possible(assessed)} patterns" in shown
 
 
 def test_where_nothing_is_left_open(content: CalibrationReport) -> None:
     assessed = assessed_in(content)
-    whole = replace(assessed, told=replace(assessed.told, weak=()), support_to_add=None)
+    whole = replace(
+        assessed, identifiability=replace(assessed.identifiability, weak=()), support_to_add=None
+    )
     shown = words(assessment_section(content, whole))
     assert "All that double supports show" in shown
     assert "Left open by the data" not in shown

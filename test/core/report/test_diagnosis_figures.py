@@ -13,10 +13,9 @@ from shoecal_core.report.figures.residual_field import (
     LONGEST_MM,
     LONGEST_OF_NOISE_MM,
     Field,
-    SoleOutline,
-    field_between,
-    field_under_feet,
+    FieldPanel,
     magnification,
+    residual_fields,
 )
 from shoecal_core.report.figures.strips import Strip, strips
 from shoecal_core.report.palette import AFTER, BEFORE, BLUE
@@ -74,14 +73,15 @@ def test_feet_with_and_without_arrows() -> None:
         np.array([[0.01, 0.0], [0.03, 0.01]]), np.array([[1e-3, 0.0], [0.0, 2e-3]]),
         np.array([0.4, -0.2]),
     )  # fmt: skip
-    assert "2 places, 1.50 mm on average, 2.00 mm at most" in alt(
-        field_between(left, [right], some, BEFORE, 5.0)
-    )
+    both = FieldPanel((left,), some, "both", [right.outline])
+    svg = residual_fields([both], BEFORE, 5.0)
+    assert "both: 2 places, 1.50 mm on average, 2.00 mm at most" in alt(svg)
+    assert "GRF off" not in svg
     soles = [
-        SoleOutline(left, some, ((left.cells[0], "46 %"),)),
-        SoleOutline(right, NOTHING),
+        FieldPanel((left,), some, "left", shares=[(left.cells[0], "46 %")]),
+        FieldPanel((right,), NOTHING, "right"),
     ]
-    svg = field_under_feet(soles, BEFORE, 5.0, 0.4)
+    svg = residual_fields(soles, BEFORE, 5.0, 0.4)
     assert ">46 %<" in svg
     assert "GRF off by 0.4 N" in svg
     assert "right: No sample." in alt(svg)

@@ -12,9 +12,9 @@ from shoecal_core.report.diagnosis_places import (
     CELL_M,
     accounted_for,
     cop_residual,
-    field,
-    field_between,
+    field_of,
     in_sole,
+    mean_field,
     signal,
     stands,
 )
@@ -79,8 +79,7 @@ def test_without_a_support_the_other_foot_is_not_known(evidence: Evidence) -> No
     blind = replace(evidence, support=np.full_like(evidence.support, np.nan))
     assert stands(blind, 1) is None
     assert np.isnan(in_sole(blind, blind.cop, 1, vectors=False)[blind.loaded[:, 0]]).all()
-    every = np.ones(len(blind.time), dtype=bool)
-    assert len(field_between(blind, blind.without, every).places)
+    assert len(field_of(blind, blind.without).places)
 
 
 def test_a_field_is_the_mean_of_its_squares() -> None:
@@ -88,11 +87,11 @@ def test_a_field_is_the_mean_of_its_squares() -> None:
     inside = np.array([3.5, -2.5]) * CELL_M + rng.uniform(-0.4, 0.4, (20, 2)) * CELL_M
     arrows, force = rng.normal(size=(20, 2)), rng.normal(size=20)
     places = np.vstack((inside, [[1.0, 1.0]], [[np.nan, 0.0]]))
-    found = field(places, np.vstack((arrows, np.ones((2, 2)))), np.append(force, [1.0, 1.0]))
+    found = mean_field(places, np.vstack((arrows, np.ones((2, 2)))), np.append(force, [1.0, 1.0]))
     np.testing.assert_allclose(found.places, [inside.mean(axis=0)])
     np.testing.assert_allclose(found.arrows, [arrows.mean(axis=0)])
     np.testing.assert_allclose(found.force, [force.mean()])
-    nothing = field(np.full((3, 2), np.nan), np.zeros((3, 2)), np.zeros(3))
+    nothing = mean_field(np.full((3, 2), np.nan), np.zeros((3, 2)), np.zeros(3))
     assert not len(nothing.places)
 
 

@@ -9,7 +9,6 @@ from shoecal_core.diagnosis.result import Candidate, Size, Where
 from shoecal_core.planning.motion_catalogue import MOTION_KINDS
 from shoecal_core.report.diagnosis_words import (
     ALIKE,
-    EFFECTS,
     MOTIONS,
     candidate_text,
     label_text,
@@ -18,6 +17,7 @@ from shoecal_core.report.diagnosis_words import (
     place_text,
     size_text,
     sizes_text,
+    state_text,
     where_text,
     why_alike,
 )
@@ -91,7 +91,7 @@ def test_several_components() -> None:
     slip = diagnoses.cause("slip", "contact", ("left",), 0.9, dx=(0.004, "m"), time=(12.4, "s"))
     assert sizes_text(slip).startswith("dx 4.00")
     assert ", time 12.4" in sizes_text(slip)
-    assert "slipped" in EFFECTS["slip"]
+    assert state_text(slip) == "left foot slipped"
 
 
 def test_lists() -> None:

@@ -20,7 +20,7 @@ from shoecal_core.report.calibration_figures import (
     run_pictures,
 )
 from shoecal_core.report.calibration_tables import channels_table
-from shoecal_core.report.figures.bars import Bar, BarMark, mae_bars
+from shoecal_core.report.figures.bars import Bar, mae_bars
 from shoecal_core.report.figures.feet import CopPath, FootShape, cop_plane, cop_under_feet
 from shoecal_core.report.figures.loads import (
     KnownLoads,
@@ -32,7 +32,6 @@ from shoecal_core.report.figures.series import (
     Line,
     cop_and_grf,
     errors_in_time,
-    grf_in_time,
     joined,
 )
 
@@ -169,21 +168,6 @@ def test_many_bars_go_without_figures() -> None:
     mae = Mae(0.351, 0.2, 10)
     bars = [Bar(str(n), palette.MEASURED, "best", n > 9, mae, mae) for n in range(20)]
     assert "0.35" not in list(read_svg(mae_bars(bars)).itertext())
-
-
-def test_a_mark_says_what_a_test_found() -> None:
-    mae = Mae(0.35, 0.5, 10)
-    bars = [Bar("best", palette.MEASURED, "best", test, mae, mae) for test in (False, True)]
-    root = read_svg(mae_bars(bars, [BarMark(0, 1, "n.s., p = 0.4", "differ, p = 0.01")]))
-    assert {"n.s., p = 0.4", "differ, p = 0.01"} <= set(root.itertext())
-    assert "Bars 1 and 2: GRF n.s., p = 0.4, CoP differ, p = 0.01." in root.attrib["aria-label"]
-
-
-def test_grf_of_several_runs_around_the_weight() -> None:
-    lines = [Line(f"run {n}", palette.MEASURED, series(start=n)) for n in range(3)]
-    root = read_svg(grf_in_time(lines, 53.9))
-    assert {"run 0", "run 2", "weight", "GRF (N)"} <= set(root.itertext())
-    assert "around 53.90 N" in root.attrib["aria-label"]
 
 
 def known_loads(masses: FloatArray) -> KnownLoads:

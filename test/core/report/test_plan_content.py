@@ -7,8 +7,9 @@ import pytest
 
 from core.report import plans
 from shoecal_core.planning.support_phase import SupportPhase
+from shoecal_core.report.plan_animation import on_foot
 from shoecal_core.report.plan_content import PlannedMotion
-from shoecal_core.report.plan_figures import moved, polygons
+from shoecal_core.report.plan_figures import moved
 
 
 def test_on_both_feet_the_world_is_the_left_sole() -> None:
@@ -53,13 +54,14 @@ def test_the_body_stands_where_its_feet_do(planned: object) -> None:
     motion: PlannedMotion = planned()
     rotation, place = motion.soles
     for sample in np.linspace(0, len(place) - 1, 7).astype(int):
-        body, corners = moved(motion, int(sample)), polygons(motion, int(sample))
+        body = moved(motion, int(sample))
         np.testing.assert_allclose(body.com, motion.com[sample], atol=1e-6)
         for side, foot in enumerate(motion.robot.feet):
             flat = np.column_stack((foot.outline, np.zeros(len(foot.outline))))
             there = flat @ rotation[sample, side].T + place[sample, side]
             np.testing.assert_allclose(body.soles[side], there, atol=1e-6)
-            assert corners[side].shape == (len(foot.sensing_polygon), 3)
+            (seen,) = on_foot(motion, np.array([sample]), side, foot.outline)
+            np.testing.assert_allclose(seen, there, atol=1e-6)
 
 
 def test_one_foot_alone_carries_all() -> None:

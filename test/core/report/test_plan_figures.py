@@ -123,6 +123,7 @@ def finding(value: float, limit: float, *, least: bool, unit: str = "m") -> Cons
         (finding(0.002, 0.004, least=True), 2.0, "2.00 mm, at least 4.00 mm"),
         (finding(1.5, 3.0, least=False, unit="N m"), 0.5, "1.50 N m, at most 3.00 N m"),
         (finding(0.1, 0.05, least=False, unit="rad"), 2.0, "5.73°, at most 2.86°"),
+        (finding(0.2, 0.4, least=False, unit=""), 0.5, "0.200, at most 0.400"),
         (finding(0.0, -1e-4, least=True), 0.0, "0.000 mm, at least \N{MINUS SIGN}0.100 mm"),
         (finding(-0.001, 0.004, least=True), math.inf, "\N{MINUS SIGN}1.00 mm, at least 4.00 mm"),
     ],

@@ -7,7 +7,9 @@ import dataclasses
 import hashlib
 import json
 import re
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -16,14 +18,14 @@ from numpy.typing import NDArray
 
 from core.report import plans
 from core.report.pages import Document, read
-from shoecal_core.errors import FileError, ShapeError
+from shoecal_core.errors import FileError
 from shoecal_core.planning.checking.findings import Report
 from shoecal_core.report.html import render
-from shoecal_core.report.page import Player
+from shoecal_core.report.plan_animation import animation, lifted
 from shoecal_core.report.plan_content import PlannedMotion
-from shoecal_core.report.plan_figures import animation, lifted, motion_pictures
+from shoecal_core.report.plan_figures import motion_pictures, moved
 from shoecal_core.report.plan_report import Unplanned, plan_page, verdict, write_plan
-from shoecal_core.report.player import PlayerFrames, PlayerView
+from shoecal_core.report.player import Player, PlayerPoints
 from shoecal_core.robot.double_support import DoubleSupport
 
 FloatArray = NDArray[np.float64]
@@ -80,8 +82,8 @@ def test_playing_by_keyboard_and_with_less_motion(html: str, document: Document)
     assert html.count('type="range"') == html.count('aria-label="Time"') == 2
     assert "prefers-reduced-motion" in html
     assert "@media print{.controls{display:none}}" in html
-    # Without a script there is a still, and no control that does nothing.
-    assert html.count('<div class="controls" hidden>') == 2
+    # Without a script there is no control that does nothing; stills stand below.
+    assert html.count('<figure class="player" hidden>') == 2
 
 
 def test_numbers_are_the_motions(document: Document) -> None:
@@ -149,81 +151,84 @@ def test_files_that_stand_by_themselves(tmp_path: Path) -> None:
         write_plan(tmp_path / "none", [plans.missing()])
 
 
-def points_of(player: Player) -> tuple[FloatArray, str]:
-    """(F, P, 3) in millimetres, as the script sees them, and its letters."""
-    told = json.loads(player.frames)
+def seen(player: Player) -> tuple[FloatArray, list[dict[str, Any]]]:
+    """(F, P, 3) in millimetres, and the views, as the script gets them."""
+    told = json.loads(player.data)
     count = len(told["lifted"])
     tracks = [
         [np.full(count, axis) if isinstance(axis, int | float) else np.array(axis) for axis in one]
         for one in told["points"]
     ]
-    return np.array(tracks, dtype=np.float64).transpose(2, 0, 1), told["lifted"]
+    return np.array(tracks, dtype=np.float64).transpose(2, 0, 1), told["views"]
+
+
+def through(views: list[dict[str, Any]], view: int, look: str) -> list[int]:
+    """Points of the first shape of a look."""
+    points: list[int] = next(one[2] for one in views[view]["shapes"] if one[0] == look)
+    return points
 
 
 def test_frames_follow_the_motion(player: Player) -> None:
     planned = plans.stepping()
-    points, letters = points_of(player)
+    points, views = seen(player)
     count = len(points)
     assert count == int(np.ceil(planned.motion.duration * 10.0)) + 1
     samples = np.round(np.linspace(0, len(planned.motion.time) - 1, count)).astype(int)
-    assert letters == lifted(planned, samples)
-    assert set(letters) == {"-", "l"}
-    detect_lifted_foot = letters[count // 2]
-    assert all((svg.count(" lifted") > 0) == (detect_lifted_foot == "l") for svg in player.svgs)
-    wanted = 1e3 * planned.cop[samples]
-    on_floor = [
-        point
-        for point in range(points.shape[1])
-        if np.abs(points[:, point, :2] - wanted).max() < 0.06
-    ]
-    assert {float(points[0, point, 2]) > 0.0 for point in on_floor} == {True, False}
+    assert player.lifted == lifted(planned, samples)
+    assert set(player.lifted) == {"-", "l"}
+    com, cop = through(views, 0, "plumb")
+    np.testing.assert_allclose(points[:, com], 1e3 * planned.com[samples], atol=0.06)
+    np.testing.assert_allclose(points[:, cop, :2], 1e3 * planned.cop[samples], atol=0.06)
+    assert not points[:, cop, 2].any()
+    assert through(views, 2, "trace") == [cop]
 
 
 @pytest.mark.parametrize("name", [plans.SECOND, "nao"])
-def test_the_still_is_what_the_script_would_draw(name: str) -> None:
-    player = animation(plans.planned(name, support=2))
-    points, _ = points_of(player)
-    still = len(points) // 2
-    drawn = 0
-    for svg in player.svgs:
-        for view in ElementTree.fromstring(svg).iter("g"):
-            a, sa, oa, b, sb, ob = map(float, view.attrib["data-view"].split())
-            for shape in view:
-                through = [int(one) for one in shape.attrib["data-through"].split()]
-                rows = points[: still + 1, through[0]]
-                if shape.attrib["data-kind"] != "trace":
-                    rows = points[still, through]
-                wanted = np.column_stack((oa + sa * rows[:, int(a)], ob + sb * rows[:, int(b)]))
-                numbers = [
-                    float(number)
-                    for key in ("d", "cx", "cy")
-                    for number in re.findall(r"-?[\d.]+", shape.get(key, ""))
-                ]
-                # Points of the body are told in whole millimetres.
-                room = 0.55e-3 * 1e3 * max(abs(sa), abs(sb)) + 0.1
-                np.testing.assert_allclose(numbers, wanted.ravel(), atol=room)
-                drawn += 1
-    assert drawn > 20
+def test_shapes_are_the_bodys(name: str) -> None:
+    """Points of the body are told in whole millimetres."""
+    planned = plans.planned(name, support=2)
+    points, views = seen(animation(planned))
+    first, body = points[0], moved(planned, 0)
+    for side, (leg, sole) in enumerate((("left", "sole left"), ("right", "sole right"))):
+        bones = 1e3 * body.bones[body.side == side].reshape(-1, 3)
+        np.testing.assert_allclose(first[through(views, 0, leg)], bones, atol=0.51)
+        for view in (0, 1, 2):
+            corners = first[through(views, view, sole)]
+            np.testing.assert_allclose(corners, 1e3 * body.soles[side], atol=0.51)
+    capsule = first[through(views, 1, "capsule")]
+    np.testing.assert_allclose(capsule, 1e3 * body.capsules[0], atol=0.51)
+    texts = [one[3] for one in views[2]["shapes"] if one[1] == "text"]
+    assert texts == [mark.numbers for mark in planned.marks]
+
+
+@pytest.mark.parametrize("planned", [plans.stepping, plans.reaching], ids=["one foot", "both"])
+def test_everything_is_within_its_view(planned: Callable[[], PlannedMotion]) -> None:
+    player = animation(planned())
+    points, _ = seen(player)
+    for view in player.views:
+        left, top, width, height = view.box
+        drawn = sorted({point for _, _, through, _ in view.shapes for point in through})
+        (across, right), (along, down) = view.right, view.down
+        x, y = right * points[:, drawn, across], down * points[:, drawn, along]
+        assert left <= x.min() < x.max() <= left + width
+        assert top <= y.min() < y.max() <= top + height
 
 
 def test_a_robot_without_capsules() -> None:
     planned = plans.reaching()
     bare = dataclasses.replace(planned.robot, capsules=(), collision_pairs=())
     slim = dataclasses.replace(planned, robot=bare)
-    assert 'class="c"' in animation(planned).svgs[0]
-    assert 'class="c"' not in animation(slim).svgs[0]
+    assert '"capsule"' in animation(planned).data
+    assert '"capsule"' not in animation(slim).data
     for picture in motion_pictures(slim):
         ElementTree.fromstring(picture.svg)
 
 
-def test_frames_must_fit() -> None:
-    with pytest.raises(ShapeError):
-        PlayerFrames(1.0, np.zeros((3, 2, 3)), "--", (0, 0))
-    told = PlayerFrames(1.0, np.zeros((2, 1, 3)), "--", (0,)).to_json()
-    assert json.loads(told)["points"] == [[0, 0, 0]]
-
-
-def test_a_view_projects_like_its_attribute() -> None:
-    view = PlayerView((1, 2), (300.0, -300.0), (20.0, 90.0))
-    np.testing.assert_allclose(view.project(np.array([1.0, 0.1, 0.2])), [50.0, 30.0])
-    assert view.attribute == "1 0.3 20 2 -0.3 90"
+def test_points_that_move_alike_are_one() -> None:
+    points = PlayerPoints(2)
+    still, moving = np.array([[0.1, 0.0, -1e-6]]), np.array([[[0.1, 0, 0]], [[0.2004, 0, 0]]])
+    assert points.add(still) == points.add(still + 1e-5) == [0]
+    assert points.add(moving) == [1]
+    assert points.add(moving, 1) == [2]
+    assert points.add(np.concatenate((moving[0], still))) == [0, 0]
+    assert json.loads(points.data) == [[100, 0, 0], [[100, 200], 0, 0], [[100, 200.4], 0, 0]]

@@ -3,14 +3,11 @@ from __future__ import annotations
 import matplotlib as mpl
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-from hypothesis.extra import numpy as arrays
 from numpy.typing import NDArray
 
 from core.report.pages import read_svg
 from shoecal_core.report import palette
-from shoecal_core.report.svg import canvas, draw_line, line_key, readable, thinned
+from shoecal_core.report.svg import canvas, draw_line, line_key, readable
 
 FloatArray = NDArray[np.float64]
 
@@ -24,32 +21,6 @@ def figure(label: str = "a", points: int = 50) -> str:
         axes.set_title(label)
         page.legend([line_key(palette.GUESS, label)])
         return page.svg(f"A figure of {readable(label)}.")
-
-
-@given(
-    values=arrays.arrays(
-        np.float64, st.integers(0, 400), elements=st.one_of(st.floats(-9, 9), st.just(np.nan))
-    ),
-    most=st.integers(4, 60),
-)
-def test_thinning_keeps_ends_peaks_and_gaps(values: FloatArray, most: int) -> None:
-    x = np.arange(len(values), dtype=np.float64)
-    kept_x, kept = thinned(x, values, most)
-    np.testing.assert_array_equal(kept, values[kept_x.astype(int)])
-    assert (np.diff(kept_x) > 0).all()
-    assert len(kept) <= max(most, 3 * (most // 2) + 2)
-    if len(values):
-        assert kept_x[0] == 0
-        assert kept_x[-1] == len(values) - 1
-    if np.isfinite(values).any():
-        assert np.nanmax(kept) == np.nanmax(values)
-        assert np.nanmin(kept) == np.nanmin(values)
-    assert np.isnan(kept).any() == np.isnan(values).any()
-
-
-def test_short_lines_stay_as_they_are() -> None:
-    x = np.arange(9.0)
-    assert thinned(x, x)[0] is x
 
 
 def test_a_figure_lives_in_a_page() -> None:
@@ -79,7 +50,16 @@ def test_figures_do_not_share_identifiers() -> None:
 
 
 def test_long_lines_stay_small() -> None:
-    assert len(figure(points=200_000)) < 60_000
+    rng = np.random.default_rng(0)
+    x, noise = np.linspace(0.0, 1.0, 200_000), rng.normal(size=200_000)
+    noise[90_000:90_500] = np.nan
+    with canvas(120.0) as page:
+        draw_line(page.panel(10.0, 80.0), x, noise, palette.TRUTH)
+        svg = page.svg("Noise with a gap.")
+    (drawn,) = (one.get("d", "") for one in read_svg(svg).iter("path")
+                if "var(--blue)" in one.get("style", ""))  # fmt: skip
+    assert drawn.count("M") == 2
+    assert len(svg) < 60_000
 
 
 @pytest.mark.filterwarnings("ignore:Glyph")

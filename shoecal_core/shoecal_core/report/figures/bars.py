@@ -40,22 +40,7 @@ class Bar:
     cop: Mae
 
 
-@dataclass(frozen=True)
-class BarMark:
-    """A bracket over two bars, with what a test says of them.
-
-    Attributes:
-        first, second: indices of the bars.
-        grf, cop: text in each panel.
-    """
-
-    first: int
-    second: int
-    grf: str
-    cop: str
-
-
-def mae_bars(bars: Sequence[Bar], marks: Sequence[BarMark] = ()) -> str:
+def mae_bars(bars: Sequence[Bar]) -> str:
     """GRF above, CoP below; whiskers are one standard deviation of the absolute error."""
     groups = list(dict.fromkeys(bar.group for bar in bars))
     slots = _slots(bars, groups)
@@ -65,15 +50,11 @@ def mae_bars(bars: Sequence[Bar], marks: Sequence[BarMark] = ()) -> str:
         for row, (label, scale) in enumerate((("GRF MAE (N)", 1.0), ("CoP MAE (mm)", 1e3))):
             axes = page.panel(TOP + row * (HEIGHT + GAP), HEIGHT, left=52.0)
             found = [bar.cop if row else bar.grf for bar in bars]
-            top = _draw(axes, bars, slots, found, scale)
-            for mark in marks:
-                ends = [(slots[i], scale * (found[i].mean + found[i].std))
-                        for i in (mark.first, mark.second)]  # fmt: skip
-                _bracket(axes, ends, mark.cop if row else mark.grf, top)
+            _draw(axes, bars, slots, found, scale)
             y_label(axes, label)
             axes.set_xticks(_centres(bars, slots, groups), [readable(one, 20) for one in groups])
             axes.tick_params(axis="x", length=0.0, labelcolor=INK.light)
-        return page.svg(_alt(bars, marks))
+        return page.svg(_alt(bars))
 
 
 def _slots(bars: Sequence[Bar], groups: Sequence[str]) -> list[float]:
@@ -96,8 +77,7 @@ def _centres(bars: Sequence[Bar], slots: Sequence[float], groups: Sequence[str])
 
 def _draw(
     axes: Axes, bars: Sequence[Bar], slots: Sequence[float], found: Sequence[Mae], scale: float
-) -> float:
-    """Draw one panel; its height."""
+) -> None:
     axes.grid(visible=False, axis="x")
     top = 0.0
     for bar, x, mae in zip(bars, slots, found, strict=True):
@@ -116,18 +96,6 @@ def _draw(
     axes.set_ylim(0.0, 1.22 * top if top > 0.0 else 1.0)
     axes.set_xlim(slots[0] - 0.8, max(slots[-1], 2.0) + 0.8)
     axes.locator_params(axis="y", nbins=5)
-    return top
-
-
-def _bracket(axes: Axes, ends: Sequence[tuple[float, float]], text: str, top: float) -> None:
-    """Over both bars and the figures above them."""
-    (left, one), (right, other) = ends
-    height, drop = max(one, other) + 0.2 * top, 0.03 * top
-    axes.plot((left, left, right, right), (height - drop, height, height, height - drop),
-              color=INK.light, linewidth=0.9)  # fmt: skip
-    axes.annotate(text, ((left + right) / 2.0, height), (0.0, 2.0), textcoords="offset points",
-                  ha="center", fontsize=SMALL)  # fmt: skip
-    axes.set_ylim(0.0, max(axes.get_ylim()[1], height + 0.2 * top))
 
 
 def _colour_keys(bars: Sequence[Bar]) -> list[Artist]:
@@ -144,14 +112,10 @@ def _set_keys(bars: Sequence[Bar]) -> list[Artist]:
     return keys
 
 
-def _alt(bars: Sequence[Bar], marks: Sequence[BarMark]) -> str:
+def _alt(bars: Sequence[Bar]) -> str:
     listed = (
         f"{readable(bar.group)}, {readable(bar.label)}, {'test' if bar.test else 'training'}: "
         f"GRF {bar.grf.mean:.2f} N, CoP {1e3 * bar.cop.mean:.2f} mm"
         for bar in bars
     )
-    compared = "".join(
-        f" Bars {mark.first + 1} and {mark.second + 1}: GRF {mark.grf}, CoP {mark.cop}."
-        for mark in marks
-    )
-    return f"Mean absolute errors. {'; '.join(listed)}.{compared}"
+    return f"Mean absolute errors. {'; '.join(listed)}."

@@ -20,10 +20,11 @@ from shoecal_core.report.figures.feet import (
     Above,
     FootShape,
     around,
+    draw_feet,
     from_above,
     shape_keys,
 )
-from shoecal_core.report.palette import INK, MUTED, SIZES, SOLE
+from shoecal_core.report.palette import INK, SIZES
 from shoecal_core.report.svg import SMALL, WIDTH, Canvas, readable
 
 FloatArray = NDArray[np.float64]
@@ -133,27 +134,17 @@ def _colours(levels: FloatArray) -> list[str]:
 
 
 def _draw(one: ErrorMap, levels: FloatArray, axes: Axes, _: float) -> None:
-    axes.grid(visible=False)
-    for foot in one.feet:
-        axes.add_patch(Polygon(1e3 * foot.outline[:, ::-1], facecolor=SOLE.light, edgecolor="none"))
     if len(one.known):
         x, y, length = _raster(one.known)
-        before = len(axes.collections)
         axes.contourf(
             y, x, np.clip(length, levels[0], levels[-1]), levels=levels, colors=_colours(levels)
         )
-        around = shapely.MultiPoint(one.known[:, 1::-1]).convex_hull
-        clip = Polygon(shapely.get_coordinates(around), transform=axes.transData)
+        hull = shapely.MultiPoint(one.known[:, 1::-1]).convex_hull
+        clip = Polygon(shapely.get_coordinates(hull), transform=axes.transData)
         # One artist since Matplotlib 3.8, one a level before.
-        for drawn in axes.collections[before:]:
+        for drawn in axes.collections:
             drawn.set_clip_path(clip)
-    for foot in one.feet:
-        axes.add_patch(
-            Polygon(1e3 * foot.sensing_polygon[:, ::-1], facecolor="none", edgecolor=MUTED.light,
-                    linewidth=0.9)
-        )  # fmt: skip
-        x, y = 1e3 * foot.cells.T
-        axes.plot(y, x, "o", markersize=5.0, markerfacecolor="none", color=INK.light)
+    draw_feet(axes, one.feet, named=False)
 
 
 def _raster(known: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -183,15 +183,10 @@ def draw_feet(axes: Axes, feet: Sequence[FootShape], *, named: bool = True) -> N
     """Soles, sensing polygons and cells, x upwards and y to the left [mm]."""
     axes.grid(visible=False)
     for foot in feet:
-        axes.add_patch(Polygon(1e3 * foot.outline[:, ::-1], facecolor=SOLE.light, edgecolor="none"))
-        axes.add_patch(
-            Polygon(
-                1e3 * foot.sensing_polygon[:, ::-1],
-                facecolor="none",
-                edgecolor=MUTED.light,
-                linewidth=0.9,
-            )
-        )
+        # Below all else, a map of errors too.
+        axes.add_patch(Polygon(1e3 * foot.outline[:, ::-1], facecolor=SOLE.light, edgecolor="none",
+                               zorder=0.5))  # fmt: skip
+        draw_outline(axes, foot.sensing_polygon, Look(MUTED, 0.9))
         x, y = 1e3 * foot.cells.T
         axes.plot(y, x, "o", markersize=5.0, markerfacecolor="none", color=INK.light)
         if named:
@@ -200,6 +195,13 @@ def draw_feet(axes: Axes, feet: Sequence[FootShape], *, named: bool = True) -> N
             axes.text(
                 across, rear - 2.0, readable(foot.label), ha="center", va="top", fontsize=SMALL
             )
+
+
+def draw_outline(axes: Axes, corners: FloatArray, look: Look) -> None:
+    """A line around corners (k, 2) [m], x upwards and y to the left [mm]."""
+    dashes = (0, look.dashes) if look.dashes else "-"
+    axes.add_patch(Polygon(1e3 * corners[:, ::-1], facecolor="none", edgecolor=look.colour.light,
+                           linewidth=look.width, linestyle=dashes))  # fmt: skip
 
 
 def _legends(paths: Sequence[CopPath]) -> list[Sequence[Artist]]:

@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
 from shoecal_core.errors import ShapeError
-from shoecal_core.report.figures.feet import Above, FootShape, around, from_above, polygon_key
+from shoecal_core.report.figures.feet import (
+    Above,
+    FootShape,
+    around,
+    draw_feet,
+    from_above,
+    polygon_key,
+)
 from shoecal_core.report.palette import BLUE, INK, MUTED, SOLE, STEPS, Colour, Look
 from shoecal_core.report.svg import area_key, canvas, line_key, marker_key, y_label
 
@@ -97,8 +103,10 @@ def cop_under_loads(loads: KnownLoads, *, corrected: bool) -> str:
     masses = np.unique(loads.masses)
 
     def draw(axes: Axes, _: float) -> None:
-        """The shoe, then a marker a load."""
-        _draw_shoe(axes, loads)
+        """The shoe, its holes, then a marker a load."""
+        draw_feet(axes, [replace(loads.foot, cells=np.zeros((0, 2)))], named=False)
+        x, y = 1e3 * np.unique(loads.places, axis=0).T
+        axes.plot(y, x, "o", markersize=9.0, markerfacecolor="none", color=MUTED.light)
         for index, mass in enumerate(masses):
             x, y = 1e3 * found[loads.masses == mass].T
             axes.plot(y, x, _marker(index), markersize=3.6, markerfacecolor="none",
@@ -113,20 +121,6 @@ def cop_under_loads(loads: KnownLoads, *, corrected: bool) -> str:
     )
     holes = [marker_key("o", MUTED, "hole", 9.0), polygon_key(), area_key(SOLE, "sole")]
     return from_above([Above(*extent, draw)], [_mass_keys(masses), holes], alt, tallest=400.0)
-
-
-def _draw_shoe(axes: Axes, loads: KnownLoads) -> None:
-    axes.grid(visible=False)
-    axes.add_patch(
-        Polygon(1e3 * loads.foot.outline[:, ::-1], facecolor=SOLE.light, edgecolor="none")
-    )
-    axes.add_patch(
-        Polygon(1e3 * loads.foot.sensing_polygon[:, ::-1], facecolor="none",
-                edgecolor=MUTED.light, linewidth=0.7)
-    )  # fmt: skip
-    x, y = 1e3 * np.unique(loads.places, axis=0).T
-    axes.plot(y, x, "o", markersize=9.0, markerfacecolor="none", color=MUTED.light,
-              markeredgewidth=1.0)  # fmt: skip
 
 
 def _colour(index: int) -> Colour:

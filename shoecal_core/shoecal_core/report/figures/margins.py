@@ -43,7 +43,7 @@ def margin_text(finding: ConstraintMargin) -> str:
     decimals = _decimals(abs(scale * finding.limit))
     value, limit = (number(scale * each, decimals) for each in (finding.value, finding.limit))
     bound = "at least" if at_least(finding) else "at most"
-    space = "" if unit == "°" else SPACE
+    space = "" if unit in {"", "°"} else SPACE
     return f"{value}{space}{unit}, {bound} {limit}{space}{unit}"
 
 

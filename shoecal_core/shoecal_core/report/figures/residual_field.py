@@ -8,8 +8,6 @@ from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
-from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
 from shoecal_core.report.figures.feet import (
@@ -18,6 +16,7 @@ from shoecal_core.report.figures.feet import (
     FootShape,
     around,
     draw_feet,
+    draw_outline,
     from_above,
     shape_keys,
 )
@@ -49,18 +48,22 @@ class Field:
 
 
 @dataclass(frozen=True)
-class SoleOutline:
-    """One foot with what is known of it.
+class FieldPanel:
+    """A field with the feet below it, in one frame.
 
     Attributes:
-        shape: of it, in the frame of the panel.
-        field: over it.
+        feet: filled.
+        field: over them.
+        title: above them.
+        thin: (k, 2) further outlines [m].
         shares: text at each cell (place, text).
     """
 
-    shape: FootShape
+    feet: Sequence[FootShape]
     field: Field
-    shares: tuple[tuple[FloatArray, str], ...] = ()
+    title: str
+    thin: Sequence[FloatArray] = ()
+    shares: Sequence[tuple[FloatArray, str]] = ()
 
 
 def magnification(fields: Sequence[Field], noise: float) -> float:
@@ -79,70 +82,50 @@ def magnification(fields: Sequence[Field], noise: float) -> float:
     return float(step * max(factor for factor in (1.0, 2.0, 5.0) if factor * step <= exact))
 
 
-def field_between(
-    left: FootShape, rights: Sequence[FootShape], field: Field, look: Look, times: float
+def residual_fields(
+    panels: Sequence[FieldPanel], look: Look, times: float, largest: float = 0.0
 ) -> str:
-    """Arrows between the feet, seen from above.
+    """Arrows on feet seen from above, with bubbles of the force error and shares at cells.
 
     Args:
-        left: the left foot.
-        rights: the right foot wherever it stood, in the left sole's frame.
-        field: in the same frame.
+        panels: from the left.
         look: of the arrows.
         times: see `magnification`.
+        largest: force error of the largest bubble; 0: without bubbles [N].
     """
-
-    def draw(axes: Axes, _: float) -> None:
-        """Feet, then arrows."""
-        draw_feet(axes, rights[:1], named=False)
-        for foot in rights[1:]:
-            axes.add_patch(Polygon(1e3 * foot.outline[:, ::-1], facecolor="none",
-                                   edgecolor=MUTED.light, linewidth=0.5))  # fmt: skip
-        draw_feet(axes, [left], named=False)
-        _quiver(axes, field, look, times)
-
-    extent = around([*(foot.outline for foot in (left, *rights)), field.places])
-    alt = f"CoP error seen from above. {_summary(field)}"
-    return from_above([Above(*extent, draw)], [[_arrow_key(look, times)], shape_keys()], alt)
-
-
-def field_under_feet(soles: Sequence[SoleOutline], look: Look, times: float, largest: float) -> str:
-    """Arrows over each foot by itself, with bubbles of the force error and shares at the cells.
-
-    Args:
-        soles: one a panel.
-        look: of the arrows.
-        times: see `magnification`.
-        largest: force error of the largest bubble [N].
-    """
-
-    def draw(one: SoleOutline, axes: Axes, scale: float) -> None:
-        """The foot, bubbles, arrows, shares."""
-        draw_feet(axes, [one.shape], named=False)
-        if largest > 0.0:
-            _bubbles(axes, one, largest, scale)
-        _quiver(axes, one.field, look, times)
-        for place, text in one.shares:
-            _share(axes, place, text)
 
     def band(page: Canvas, top: float) -> None:
         """What the bubbles mean."""
-        if largest > 0.0:
-            page.write(LEFT, top + 8.0, f"largest circle: GRF off by {largest:.2g} N; "
-                       "filled: too much, empty: too little", fontsize=SMALL)  # fmt: skip
+        page.write(LEFT, top + 8.0, f"largest circle: GRF off by {largest:.2g} N; "
+                   "filled: too much, empty: too little", fontsize=SMALL)  # fmt: skip
 
-    panels = [
-        Above(*around([one.shape.outline, one.shape.cells]), partial(draw, one),
-              f"{one.shape.label} foot")
-        for one in soles
+    drawn = [
+        Above(*around([*(part for foot in one.feet for part in (foot.outline, foot.cells)),
+                       *one.thin]),
+              partial(_draw, one, look, times, largest), one.title)
+        for one in panels
     ]  # fmt: skip
-    listed = " ".join(f"{one.shape.label}: {_summary(one.field)}" for one in soles)
-    alt = f"CoP and GRF error under each foot. {listed}"
-    return from_above(panels, [[_arrow_key(look, times)], shape_keys()], alt, band=band)
+    listed = " ".join(f"{one.title}: {_summary(one.field)}" for one in panels)
+    return from_above(
+        drawn,
+        [[line_key(look, f"CoP error, {times:g} × as long")], shape_keys()],
+        f"CoP and GRF error seen from above. {listed}",
+        band=band if largest > 0.0 else None,
+    )
 
 
-def _arrow_key(look: Look, times: float) -> Line2D:
-    return line_key(look, f"CoP error, {times:g} × as long")
+def _draw(
+    one: FieldPanel, look: Look, times: float, largest: float, axes: Axes, scale: float
+) -> None:
+    """Feet, bubbles, arrows, shares."""
+    draw_feet(axes, one.feet, named=False)
+    for outline in one.thin:
+        draw_outline(axes, outline, Look(MUTED, 0.5))
+    if largest > 0.0:
+        _bubbles(axes, one.field, largest, scale)
+    _quiver(axes, one.field, look, times)
+    for place, text in one.shares:
+        _share(axes, place, text)
 
 
 def _quiver(axes: Axes, field: Field, look: Look, times: float) -> None:
@@ -155,11 +138,11 @@ def _quiver(axes: Axes, field: Field, look: Look, times: float) -> None:
                 minlength=0.5, zorder=3.0)  # fmt: skip
 
 
-def _bubbles(axes: Axes, one: SoleOutline, largest: float, scale: float) -> None:
+def _bubbles(axes: Axes, field: Field, largest: float, scale: float) -> None:
     """Areas are in proportion to forces."""
-    x, y = 1e3 * one.field.places.T
-    sizes = np.abs(one.field.force) / largest * (BUBBLE_MM * scale) ** 2
-    for chosen, face in ((one.field.force >= 0.0, BLUE.light), (one.field.force < 0.0, "none")):
+    x, y = 1e3 * field.places.T
+    sizes = np.abs(field.force) / largest * (BUBBLE_MM * scale) ** 2
+    for chosen, face in ((field.force >= 0.0, BLUE.light), (field.force < 0.0, "none")):
         axes.scatter(y[chosen], x[chosen], s=sizes[chosen], facecolor=face, edgecolor=BLUE.light,
                      linewidth=0.7, alpha=0.55, zorder=2.0)  # fmt: skip
 

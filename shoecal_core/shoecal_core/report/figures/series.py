@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from shoecal_core.estimation.series import Series
-from shoecal_core.report.palette import INK, MUTED, Look
+from shoecal_core.report.palette import MUTED, Look
 from shoecal_core.report.svg import canvas, draw_line, line_key, readable, y_label
 
 FloatArray = NDArray[np.float64]
@@ -19,7 +19,6 @@ LABELS = ("CoP x (mm)", "CoP y (mm)", "GRF (N)")
 HEIGHT, GAP, TOP = 164.0, 16.0, 24.0
 LEAST = (4.0, 4.0, 0.8)
 """No panel shows less than this much of mm, mm, N: noise shall not look like an error."""
-WEIGHT = Look(INK, 1.4)
 WILD = 3.0
 """A line further than this many spans (and values) from the last one runs out of its panel."""
 
@@ -72,32 +71,6 @@ def errors_in_time(lines: Sequence[Line], reference: Series) -> str:
         f"Errors of CoP x, CoP y [mm] and GRF [N] against time [s]: {_named(lines)}.",
         zero=True,
     )
-
-
-def grf_in_time(lines: Sequence[Line], weight: float, *, least: float = LEAST[2]) -> str:
-    """GRF of several sources, or of several runs, around the weight [N].
-
-    Args:
-        lines: later ones are drawn over earlier ones; all of them are shown whole.
-        weight: drawn as a line [N].
-        least: no less than this much of a newton is shown.
-    """
-    with canvas(TOP + HEIGHT + 34.0) as page:
-        keys = [line_key(line.look, line.label) for line in lines]
-        page.legend([*keys, line_key(WEIGHT, "weight")], left=46.0)
-        axes = page.panel(TOP, HEIGHT, left=52.0)
-        axes.axhline(weight, color=WEIGHT.colour.light, linewidth=WEIGHT.width)
-        for line in lines:
-            draw_line(axes, line.series.time, line.series.grf, line.look)
-        every = np.concatenate([line.series.grf for line in lines])
-        low, high = _bounds(np.append(every, weight))
-        margin = 0.06 * (high - low) + max(0.0, (least - (high - low)) / 2.0)
-        axes.set_ylim(low - margin, high + margin)
-        axes.set_xlim(*_bounds(np.concatenate([line.series.time for line in lines])))
-        y_label(axes, LABELS[2])
-        axes.locator_params(axis="y", nbins=5)
-        axes.set_xlabel("time (s)")
-        return page.svg(f"GRF [N] against time [s] around {weight:.2f} N: {_named(lines)}.")
 
 
 def _values(series: Series) -> FloatArray:

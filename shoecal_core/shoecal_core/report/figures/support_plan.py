@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.patches import Circle, Polygon
+from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
 from shoecal_core.report.figures.feet import (
@@ -17,6 +17,7 @@ from shoecal_core.report.figures.feet import (
     Above,
     FootShape,
     draw_feet,
+    draw_outline,
     from_above,
     polygon_key,
 )
@@ -36,6 +37,7 @@ from shoecal_core.shoe.shoe import FEET
 
 FloatArray = NDArray[np.float64]
 
+HULL, SWING = Look(SLATE, 1.1, (4.0, 2.0)), Look(MUTED, 1.4, (1.5, 1.5))
 ROOM = 0.05
 """Around the feet, as part of what is shown."""
 LABEL, LINE, LETTER = 15.0, 4.0, 3.0
@@ -98,8 +100,7 @@ def _draw(
 ) -> None:
     draw_feet(axes, feet)
     for hull in plan.hulls:
-        axes.add_patch(Polygon(1e3 * hull[:, ::-1], facecolor="none", edgecolor=SLATE.light,
-                               linewidth=1.1, linestyle=(0, (4, 2))))  # fmt: skip
+        draw_outline(axes, hull, HULL)
     for one in swings:
         _draw_swing(axes, one)
     _draw_path(axes, plan)
@@ -187,10 +188,9 @@ def _draw_marks(axes: Axes, plan: PlannedMotion, scale: float) -> None:
 
 
 def _draw_swing(axes: Axes, one: Swing) -> None:
-    axes.add_patch(Polygon(1e3 * one.outline[:, ::-1], facecolor="none", edgecolor=MUTED.light,
-                           linewidth=1.0, linestyle=(0, (1.5, 1.5))))  # fmt: skip
+    draw_outline(axes, one.outline, SWING)
     x, y = 1e3 * one.way.T
-    axes.plot(y, x, color=MUTED.light, linewidth=1.4, linestyle=(0, (1.5, 1.5)))
+    draw_line(axes, y, x, SWING)
     _arrow(axes, np.column_stack((y, x)), MUTED.light)
 
 
@@ -198,10 +198,10 @@ def _shape_keys(swings: Sequence[Swing]) -> list[Artist]:
     keys: list[Artist] = [
         area_key(SOLE, "sole"),
         polygon_key(),
-        line_key(Look(SLATE, 1.1, (4.0, 2.0)), "sensing hull"),
+        line_key(HULL, "sensing hull"),
     ]
     if swings:
-        keys.append(line_key(Look(MUTED, 1.4, (1.5, 1.5)), "lifted foot"))
+        keys.append(line_key(SWING, "lifted foot"))
     return keys
 
 
