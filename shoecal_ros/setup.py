@@ -42,7 +42,6 @@ setup(
             *(f"{node} = {NAME}.nodes.{node}:main" for node in (*NODES, *ADAPTERS)),
             f"demo = {NAME}.demo:main",
             f"example_controller = {NAME}.examples.controller:main",
-            f"check_layouts = {NAME}.check_layouts:main",
         ]
     },
     zip_safe=True,

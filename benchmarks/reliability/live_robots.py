@@ -13,7 +13,7 @@ from reliability.live_world import World
 from ros.bodies import calibration, nao, nao_shoe
 from ros.standing_robot import StandingRobot
 from shoecal_core.robot.double_support import DoubleSupport
-from shoecal_ros.calibrator.run_series import REACH_ACTION
+from shoecal_ros.calibrator.calibrator_base import REACH_ACTION
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import calibration_to_ros
 

@@ -24,7 +24,7 @@ from launch_ros.parameter_descriptions import ParameterValue
 
 from shoecal_core.workspace import network_environment
 from shoecal_ros.bringup import VIEWERS, check_viewer
-from shoecal_ros.viewers.placed import placed_layout
+from shoecal_ros.placed_layout import placed_layout
 
 SHARE = Path(get_package_share_directory("shoecal_ros"))
 LAYOUTS = {

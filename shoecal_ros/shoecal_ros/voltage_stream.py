@@ -32,7 +32,6 @@ from shoecal_ros.common.process import run
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.inputs.joining import NO_DATA, FrameJoiner, Joined, JoinSettings
 from shoecal_ros.inputs.voltages import VoltageInput
-from shoecal_ros.inputs.voltages_condition import voltages_condition
 
 _NO_DIGITS = str.maketrans("", "", string.digits)
 
@@ -70,7 +69,7 @@ class VoltageStream(ShoecalNode):
             self._reported = cause
             if problem is not None:
                 _print({"problem": problem.message})
-        self.health.note("voltages", voltages_condition(self._input))
+        self.health.note("voltages", self._input.condition)
         super().watch()
 
     def _hear(self, messages: list[Any]) -> None:

@@ -13,7 +13,7 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from ros.standing_robot import StandingRobot
 from ros.world import World
 from shoecal_core.robot.double_support import DoubleSupport
-from shoecal_ros.calibrator.run_series import PLAN_ACTION, REACH_ACTION
+from shoecal_ros.calibrator.calibrator_base import PLAN_ACTION, REACH_ACTION
 from shoecal_ros.common import qos
 
 WAVE_S = 12.0

@@ -29,9 +29,9 @@ PASSED_ON = {
         "reported",  # of an error
         "f'no whole calibration: {error.field} {error.problem}'",
     },
-    "calibrator/diagnosis_server.py": {"reported", "str(error)"},  # why it ended
+    "calibrator/diagnosis_server.py": {"reported"},  # why it ended
     "calibrator/diagnosis_job.py": {"str(error)"},
-    "calibrator/job.py": {"str(error)", "problem.message", "site.recorder.problem"},
+    "calibrator/job.py": {"str(error)", "problem.message", "node.recorder.problem"},
     "calibrator/recorder.py": {"self.problem"},
     "calibrator/rezeroing.py": {"problem.message"},
     "calibrator/run_series.py": {

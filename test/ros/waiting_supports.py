@@ -8,7 +8,7 @@ from rclpy.task import Future
 from shoecal_msgs.action import ReachSupport
 
 from ros.world import World
-from shoecal_ros.calibrator.run_series import REACH_ACTION
+from shoecal_ros.calibrator.calibrator_base import REACH_ACTION
 
 
 class WaitingSupports:

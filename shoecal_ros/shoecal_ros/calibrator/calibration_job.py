@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from shoecal_msgs.action import Calibrate
@@ -12,66 +12,54 @@ from shoecal_msgs.action import Calibrate
 from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.planning.standard import TEST, TRAIN, PlannedRun, standard_runs
 from shoecal_core.robot.double_support import DoubleSupport
-from shoecal_ros.calibrator import solving_work
-from shoecal_ros.calibrator.job import Job, JobContext
-from shoecal_ros.calibrator.job_settings import STANDARD_SET
+from shoecal_ros.calibrator import job_work
+from shoecal_ros.calibrator.calibrator_base import CalibratorBase
+from shoecal_ros.calibrator.job import Job
+from shoecal_ros.calibrator.job_settings import MOST_SUPPORTS, STANDARD_SET
 from shoecal_ros.calibrator.run_series import RunSeries, make_session
-from shoecal_ros.common.actions import Pacing
-from shoecal_ros.common.waiting import aside
+from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.worker import Worker
 
 DRAW_SHARE, SOLVE_SHARE = 0.04, 0.06
 """Of the whole job's progress."""
 
 
-@dataclass(frozen=True)
-class CalibrationRequest:
-    """What is asked for.
+class CalibrationJob(Job):
+    """One self-calibration."""
 
-    Attributes:
-        run_id: names the job and its session's folder.
-        supports, train: how many.
-        seed: draws what is drawn.
-    """
-
-    run_id: str
-    supports: int
-    train: int
-    seed: int
-
-
-class CalibrationJob:
-    """One self-calibration; how far it came stays to be seen when it fails.
-
-    Attributes:
-        request: what is asked for.
-        session: folder of the recording, None before there is one.
-        state: how far it is by now.
-    """
+    RUN = "support"
 
     def __init__(
         self,
-        site: JobContext,
-        request: CalibrationRequest,
-        feedback: Callable[[Calibrate.Feedback], None],
+        node: CalibratorBase,
+        goal: Any,
+        run_id: str,
+        feedback: Callable[[Any], None],
         canceled: Callable[[], bool] | None,
     ) -> None:
-        self.request = request
-        self.session: Path | None = None
-        self.state = Calibrate.Feedback(run_id=request.run_id, supports=request.supports)
-        self._site = site
-        self._job = Job(site, canceled)
-        self._feedback = feedback
-        self._pacing = Pacing()
+        """It has not begun.
 
-    async def begin(self) -> None:
-        """See that it can begin: the robot is armed, and all that it needs comes.
+        Args:
+            node: whose job it is.
+            goal: of the action or the service.
+            run_id: names the job and its session's folder.
+            feedback, canceled: as those of `Job`.
 
         Raises:
-            RefusedError: with a code of Calibrate.Result.
+            RefusedError: BAD_GOAL, with the cure.
         """
-        self._site.recorder.problem = ""
-        await self._job.begin()
+        defaults = node.job_settings
+        self._supports = supports = goal.supports or defaults.supports
+        self._train = train = goal.train or defaults.train
+        if not 2 <= train <= supports <= MOST_SUPPORTS:
+            raise RefusedError(
+                Calibrate.Result.BAD_GOAL,
+                f"{train} of {supports} double supports to train with; take at least 2, at most "
+                f"all of them, and no more than {MOST_SUPPORTS} in all",
+            )
+        self._seed = goal.seed if goal.seed >= 0 else defaults.seed
+        state = Calibrate.Feedback(run_id=run_id, supports=supports)
+        super().__init__(node, state, canceled, feedback)
 
     async def run(self) -> Calibration:
         """Do it all but apply the result.
@@ -79,75 +67,49 @@ class CalibrationJob:
         Raises:
             RefusedError: with a code of Calibrate.Result, when it ends otherwise.
         """
-        site = self._site
         await self.begin()
-        worker = Worker(site.wake)
-        try:
-            runs = await self._draw(worker)
-            # The standard set comes back to a support, to lift each foot.
-            self.state.supports = len(runs)
-            session = await make_session(site, self.request.run_id, self.request.seed)
-            self.session = session.folder
-            await RunSeries(self._job, session, self._report_recording).record(runs)
-            return await self._solve(worker, session.folder)
-        finally:
-            site.recorder.abandon()
-            worker.close()
-            await aside(site.recorder.settle)
-
-    def report_applying(self) -> None:
-        """Report that the calibration found is being applied."""
-        self._report("applying", 1.0, "checking and applying the calibration")
+        return await self.with_worker(self._found)
 
     # Steps
 
+    async def _found(self, worker: Worker) -> Calibration:
+        runs = await self._draw(worker)
+        # The standard set comes back to a support, to lift each foot.
+        self.state.supports = len(runs)
+        session = await make_session(self.node, self.run_id, self._seed)
+        self.session = session.folder
+        await RunSeries(self, session, self._report_recording).record(runs)
+        return await self._solve(worker, session.folder)
+
     async def _draw(self, worker: Worker) -> list[PlannedRun]:
-        request, site = self.request, self._site
-        self._report("drawing", 0.0, "drawing double supports")
-        supports = await self._job.worked(
-            worker.do(solving_work.draw, site.files, site.planning, request.supports, request.seed),
+        node, motion = self.node, self.node.job_settings.motion
+        self.feed("drawing", 0.0, "drawing double supports")
+        supports = await self.worked(
+            worker.do(job_work.draw, node.files, node.planning, self._supports, self._seed),
             Calibrate.Result.SUPPORT_FAILED,
         )
-        if site.job_settings.motion == STANDARD_SET:
-            neutral = DoubleSupport(*map(float, site.robot.support_range.neutral))
+        if motion == STANDARD_SET:
+            neutral = DoubleSupport(*map(float, node.robot.support_range.neutral))
             return list(standard_runs(supports, neutral))
-        training = _training(request)
+        generator = np.random.default_rng([self._seed, 2])
+        training = generator.choice(self._supports, size=self._train, replace=False)
         return [
-            PlannedRun(support, site.job_settings.motion, TRAIN if index in training else TEST)
+            PlannedRun(support, motion, TRAIN if index in training else TEST)
             for index, support in enumerate(supports)
         ]
 
     async def _solve(self, worker: Worker, folder: Path) -> Calibration:
-        site = self._site
-        self._report("solving", 1.0 - SOLVE_SHARE, "finding gains and offsets")
-        return await self._job.worked(
+        node = self.node
+        self.feed("solving", 1.0 - SOLVE_SHARE, "finding gains and offsets")
+        return await self.worked(
             worker.do(
-                solving_work.solve,
-                folder,
-                site.fit_settings,
-                site.tolerances,
-                site.now_ns,
-                site.manual,
+                job_work.solve,
+                folder, node.fit_settings, node.tolerances, node.now_ns, node.manual,
             ),
             Calibrate.Result.SOLVE_FAILED,
             moving=False,
-        )
-
-    # Reporting
+        )  # fmt: skip
 
     def _report_recording(self, stage: str, run: int, share: float, message: str) -> None:
-        self.state.support = run
-        self._report(stage, DRAW_SHARE + (1.0 - DRAW_SHARE - SOLVE_SHARE) * share, message)
-
-    def _report(self, stage: str, progress: float, message: str) -> None:
-        state = self.state
-        state.stage, state.progress, state.message = stage, float(progress), message
-        if self._pacing.due(stage):
-            self._feedback(state)
-
-
-def _training(request: CalibrationRequest) -> set[int]:
-    """Which supports train, drawn."""
-    generator = np.random.default_rng([request.seed, 2])
-    chosen = generator.choice(request.supports, size=request.train, replace=False)
-    return {int(index) for index in chosen}
+        progress = DRAW_SHARE + (1.0 - DRAW_SHARE - SOLVE_SHARE) * share
+        self.feed(stage, progress, message, run)

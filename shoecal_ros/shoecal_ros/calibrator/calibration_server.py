@@ -23,8 +23,8 @@ from shoecal_ros.calibrator.active_calibration import UNCALIBRATED, ActiveCalibr
 from shoecal_ros.calibrator.calibration_store import CalibrationStore, NotApplicableError
 from shoecal_ros.calibrator.calibrator_base import CalibratorBase
 from shoecal_ros.calibrator.force_samples import ForceSamples
-from shoecal_ros.calibrator.session_folder import NoSessionNameError, session_folder
-from shoecal_ros.calibrator.solving_work import CALIBRATION
+from shoecal_ros.calibrator.job_work import CALIBRATION
+from shoecal_ros.calibrator.run_series import NoSessionNameError, session_folder
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import (
     calibration_from_ros,

@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Protocol
 
 from rclpy.action import ActionClient
 from rclpy.subscription import Subscription
-from shoecal_msgs.action import Plan, ReachSupport
+from shoecal_msgs.action import Calibrate, Plan, ReachSupport
 
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources.tolerances import Tolerances
@@ -25,13 +24,11 @@ from shoecal_core.settings import load_settings, setting
 from shoecal_core.shoe.shoe import FEET
 from shoecal_core.workspace import config_dir
 from shoecal_ros.calibrator.force_samples import STANCE, SUM_FRAMES, ForceSamples
-from shoecal_ros.calibrator.job import Codes
 from shoecal_ros.calibrator.job_settings import JobSettings
 from shoecal_ros.calibrator.live import LiveSensing, OutputFilter
 from shoecal_ros.calibrator.load import LoadSwitch
 from shoecal_ros.calibrator.raw_topics import RAW_TOPICS, relative
 from shoecal_ros.calibrator.recorder import Recorder
-from shoecal_ros.calibrator.run_series import PLAN_ACTION, REACH_ACTION
 from shoecal_ros.common import qos
 from shoecal_ros.common.codes import Problem
 from shoecal_ros.common.frames import FrameSettings
@@ -48,6 +45,8 @@ from shoecal_ros.inputs.one_clock import OneClock
 from shoecal_ros.inputs.sensor_frames import frame_reader
 from shoecal_ros.inputs.stillness import Stillness
 from shoecal_ros.inputs.voltages import VoltageInput
+
+REACH_ACTION, PLAN_ACTION = "robot/reach_support", "shoe/plan"
 
 
 @dataclass(frozen=True)
@@ -111,20 +110,6 @@ class CalibratorSettings(JoinSettings):
     )
 
 
-class JobServer(Protocol):
-    """Takes jobs of one kind, one at a time.
-
-    Attributes:
-        title: of its jobs, for a sentence.
-    """
-
-    title: str
-
-    @property
-    def run_id(self) -> str:
-        """Of the job under way; empty while there is none."""
-
-
 class CalibratorBase(ShoecalNode):
     """The calibrator without its services, which are built on it.
 
@@ -137,7 +122,7 @@ class CalibratorBase(ShoecalNode):
         recorder: of runs.
         live, force_samples: from readings to forces; without a calibration they give none.
         tolerance: within which model and measurement agree.
-        jobs: servers of jobs, of which one may be under way.
+        job_under_way: what may move the robot, for a sentence; empty: nothing.
     """
 
     def __init__(self, name: str) -> None:
@@ -177,43 +162,29 @@ class CalibratorBase(ShoecalNode):
         self.tolerance = ModelTolerance.of(self.robot, self.fit_settings)
         self.reach_client = ActionClient(self, ReachSupport, REACH_ACTION)
         self.plan_client = ActionClient(self, Plan, PLAN_ACTION)
-        self.jobs: list[JobServer] = []
+        self.job_under_way = ""
         self._recorded: list[Subscription] = []
-
-    @property
-    def armed(self) -> bool:
-        """Whether the robot may be moved."""
-        return self.arming.armed
-
-    @property
-    def disarmings(self) -> int:
-        """How often that was taken back."""
-        return self.arming.disarmings
-
-    @property
-    def lapsed(self) -> bool:
-        """Whether who armed the robot is gone."""
-        return self.arming.lapsed
-
-    @property
-    def job_under_way(self) -> str:
-        """What is under way that may move the robot, for a sentence; empty: nothing."""
-        return next((jobs.title for jobs in self.jobs if jobs.run_id), "")
 
     @property
     def origin(self) -> Origin:
         """Of what is calibrated here and now."""
         return Origin.here(simulated=self.simulated, devices=self.voltages.sources)
 
-    @property
-    def run_id(self) -> str:
-        """Of the job under way."""
-        return next((jobs.run_id for jobs in self.jobs if jobs.run_id), "")
-
     def refuse_second_job(self) -> None:
         """Only one job at a time; RefusedError where there is one."""
         if reported := self.job_under_way:
-            raise RefusedError(Codes.BUSY, f"{reported} is under way; wait for it or cancel it")
+            raise RefusedError(
+                Calibrate.Result.BUSY, f"{reported} is under way; wait for it or cancel it"
+            )
+
+    def begin_job(self, what: str, run_id: str) -> None:
+        """A job is under way from now on."""
+        self.job_under_way, self._run_id = what, run_id
+
+    def end_job(self) -> None:
+        """It is no more: only what the live side needs is heard."""
+        self.job_under_way = self._run_id = ""
+        self._listen_live()
 
     def input_problem(self) -> Problem | None:
         """What is wrong with joint angles or voltages, and its cure; None when all is well."""
@@ -229,7 +200,7 @@ class CalibratorBase(ShoecalNode):
             if topic != schemas.JOINT_STATES and frame_reader(topic, self.shoe) is None
         ]
 
-    def listen_live(self) -> None:
+    def _listen_live(self) -> None:
         """Hear only what the live side needs: every message that comes wakes the node."""
         for subscription in self._recorded:
             self.destroy_subscription(subscription)

@@ -3,44 +3,22 @@
 from __future__ import annotations
 
 from collections import deque
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 from rclpy.publisher import Publisher
-from rclpy.qos import QoSProfile
 from trajectory_msgs.msg import JointTrajectory
 
-from shoecal_core.robot.robot import Robot
+from shoecal_ros.calibrator.calibrator_base import CalibratorBase
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import trajectory_to_ros
 from shoecal_ros.common.health import Level
 from shoecal_ros.common.hold import STOP_TIME_S, hold
 from shoecal_ros.inputs.armed_input import ArmedInput
-from shoecal_ros.inputs.joints import JointBatch, JointInput
+from shoecal_ros.inputs.joints import JointBatch
 
 HEARD = 5
 """Messages of joint angles whose median is held: two of them may be false."""
-
-
-class HaltContext(Protocol):
-    """What it needs of its node."""
-
-    robot: Robot
-    joints: JointInput
-
-    @property
-    def run_id(self) -> str:
-        """Of the job under way."""
-
-    def create_publisher(self, kind: type, topic: str, profile: QoSProfile, /) -> Publisher:
-        """Of the middleware."""
-
-    def destroy_publisher(self, publisher: Publisher, /) -> bool:
-        """Of the middleware."""
-
-    def log(self, level: Level, line: str) -> None:
-        """Write a line."""
 
 
 class Halt:
@@ -49,8 +27,8 @@ class Halt:
     A planner that is there stops the robot itself, gently and knowing where it is to be.
     """
 
-    def __init__(self, site: HaltContext, arming: ArmedInput) -> None:
-        self._site = site
+    def __init__(self, node: CalibratorBase, arming: ArmedInput) -> None:
+        self._node = node
         self._arming = arming
         self._publisher: Publisher | None = None
         self._angles: deque[NDArray[np.float64]] = deque(maxlen=HEARD)
@@ -69,26 +47,26 @@ class Halt:
             return
         if self._publisher is None:
             # Already now: a robot has to know of a sender before it hears it.
-            self._publisher = self._site.create_publisher(
+            self._publisher = self._node.create_publisher(
                 JointTrajectory, "joint_trajectory", qos.COMMAND
             )
         if not gone:
-            self._sent, self._run_id = False, self._site.run_id
+            self._sent, self._run_id = False, self._node.run_id
         elif self._angles and not self._sent:
             self._stop(self._publisher)
 
     def _stop(self, publisher: Publisher) -> None:
         angles = np.median(np.stack(self._angles), axis=0)
         # Back to where the robot was when it last reported it, no faster than it went on meanwhile.
-        command = hold(self._site.robot, angles, STOP_TIME_S + self._site.joints.age_s)
+        command = hold(self._node.robot, angles, STOP_TIME_S + self._node.joints.age_s)
         publisher.publish(trajectory_to_ros(command))
         self._sent = True
         course = f" in the course of {self._run_id}" if self._run_id else ""
-        self._site.log(Level.ERROR, f"the planner is gone{course}: commanded the robot to stop")
+        self._node.log(Level.ERROR, f"the planner is gone{course}: commanded the robot to stop")
 
     def _leave(self) -> None:
         """Leave commands to the planner alone."""
         self._sent = False
         if self._publisher is not None:
-            self._site.destroy_publisher(self._publisher)
+            self._node.destroy_publisher(self._publisher)
             self._publisher = None

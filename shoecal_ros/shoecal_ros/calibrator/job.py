@@ -6,30 +6,21 @@ Reasons to end carry the codes of `Calibrate.Result`; those of `Diagnose.Result`
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from datetime import UTC, datetime
-from typing import Any, Protocol, TypeVar
+from pathlib import Path
+from typing import Any, TypeVar
 
 from rclpy.action import ActionClient
 from shoecal_msgs.action import Calibrate
 
-from shoecal_core.diagnosis.settings import DiagnosisSettings
-from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import ShoecalError
-from shoecal_core.estimation.calibration import Calibration
-from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.robot.robot import Robot
-from shoecal_core.screening.settings import CalibrationSettings
-from shoecal_core.shoe.shoe import Shoe
-from shoecal_ros.calibrator.job_settings import JobSettings
-from shoecal_ros.calibrator.recorder import Recorder
-from shoecal_ros.common.actions import NotSentError, do_action
-from shoecal_ros.common.codes import Problem
+from shoecal_ros.calibrator.calibrator_base import CalibratorBase
+from shoecal_ros.common.actions import NotSentError, Pacing, do_action
+from shoecal_ros.common.health import Level
 from shoecal_ros.common.refusal import RefusedError
-from shoecal_ros.common.robot_files import RobotFiles
-from shoecal_ros.common.waiting import until
-from shoecal_ros.common.worker import Work
-from shoecal_ros.inputs.stillness import Stillness
+from shoecal_ros.common.waiting import aside, until
+from shoecal_ros.common.worker import Work, Worker
 
 R = TypeVar("R")
 Codes = Calibrate.Result
@@ -42,70 +33,100 @@ def new_run_id() -> str:
     return datetime.now(UTC).strftime("%Y%m%dT%H%M%S%f")[:-3]
 
 
-class JobContext(Protocol):
-    """What a job needs of its node."""
-
-    files: RobotFiles
-    robot: Robot
-    shoe: Shoe
-    job_settings: JobSettings
-    fit_settings: CalibrationSettings
-    tolerances: Tolerances
-    diagnosis_settings: DiagnosisSettings
-    planning: PlannerSettings
-    manual: Calibration | None
-    recorder: Recorder
-    stillness: Stillness
-    reach_client: ActionClient
-    plan_client: ActionClient
-
-    @property
-    def armed(self) -> bool:
-        """Whether the robot may be moved."""
-
-    @property
-    def disarmings(self) -> int:
-        """How often that was taken back."""
-
-    @property
-    def lapsed(self) -> bool:
-        """Whether who armed the robot has fallen silent."""
-
-    @property
-    def now_ns(self) -> int:
-        """The node's time [ns]."""
-
-    @property
-    def run_id(self) -> str:
-        """Of the job under way."""
-
-    def input_problem(self) -> Problem | None:
-        """What is wrong with joint angles or voltages, and its cure; None when all is well."""
-
-    def wake(self) -> None:
-        """Let waiting jobs look again."""
-
-
 class Job:
-    """One job on its site.
+    """One job of a calibrator; how far it came stays to be seen when it fails.
 
     Attributes:
-        site: its node.
+        node: whose job it is.
+        session: folder of the recording, None before there is one.
+        moves: whether the robot may have to move.
+        state: how far it is by now: feedback of its action.
+        STAGE, RUN: names of its fields for the stage and the run at hand.
     """
 
-    def __init__(self, site: JobContext, canceled: Callable[[], bool] | None) -> None:
+    STAGE, RUN = "stage", "run"
+
+    def __init__(
+        self,
+        node: CalibratorBase,
+        state: Any,
+        canceled: Callable[[], bool] | None,
+        feedback: Callable[[Any], None] = lambda _: None,
+    ) -> None:
         """A job begins.
 
         Args:
-            site: its node.
+            node: whose job it is.
+            state: feedback of its action, with the id of the run.
             canceled: whether it is asked to end; None where that cannot be asked for: then
                 disarming ends it also while nothing moves.
+            feedback: takes the state whenever that is due.
         """
-        self.site = site
+        self.node, self.state = node, state
+        self.session: Path | None = None
+        self.moves = True
+        self._feedback = feedback
+        self._pacing = Pacing()
+        self._logged: tuple[str, int] | None = None
+        self._worker: Worker | None = None
         self._alone = canceled is None
         self._canceled = canceled or (lambda: False)
-        self._disarmings = site.disarmings
+        self._disarmings = node.arming.disarmings
         self._end: RefusedError | None = None
+
+    @property
+    def run_id(self) -> str:
+        """Names the job, and the folder of a session that it records."""
+        return str(self.state.run_id)
+
+    @property
+    def figures(self) -> dict[str, str]:
+        """How far it is, for diagnostics."""
+        state = self.state
+        return {
+            "run_id": self.run_id,
+            self.STAGE: getattr(state, self.STAGE),
+            self.RUN: f"{getattr(state, self.RUN)} of {getattr(state, f'{self.RUN}s')}",
+            "progress": f"{state.progress:.2f}",
+        }
+
+    def feed(self, stage: str, progress: float, message: str, run: int | None = None) -> None:
+        """Report how far it is; in the log, a line whenever another stage or run begins.
+
+        Args:
+            stage: at hand.
+            progress: of the whole, 0 to 1.
+            message: a line for a person.
+            run: at hand, from 1 on; None: as before.
+        """
+        state = self.state
+        setattr(state, self.STAGE, stage)
+        if run is not None:
+            setattr(state, self.RUN, run)
+        state.progress, state.message = float(progress), message
+        if not self._pacing.due(stage):
+            return
+        step = stage, getattr(state, self.RUN)
+        if step != self._logged:
+            self._logged = step
+            self.node.log(Level.OK, f"{stage} {step[1]}: {message}")
+        self._feedback(state)
+
+    async def with_worker(self, do: Callable[[Worker], Awaitable[R]]) -> R:
+        """What is done with a worker of the job's own; nothing is recorded any more afterwards."""
+        recorder = self.node.recorder
+        self._worker = worker = Worker(self.node.wake)
+        try:
+            return await do(worker)
+        finally:
+            recorder.abandon()
+            worker.close()
+            await aside(recorder.settle)
+
+    def close(self) -> None:
+        """End what its worker is doing: the node ends."""
+        if self._worker is not None:
+            self._worker.close()
 
     @property
     def interrupted(self) -> bool:
@@ -119,11 +140,11 @@ class Job:
     @property
     def _armed(self) -> bool:
         """Armed, and never disarmed since the job began: arming again is not meant for it."""
-        return self.site.armed and not self._disarmed
+        return self.node.arming.armed and not self._disarmed
 
     @property
     def _disarmed(self) -> bool:
-        return self.site.disarmings != self._disarmings
+        return self.node.arming.disarmings != self._disarmings
 
     async def begin(self) -> None:
         """See whether the robot may be moved, now that the job begins.
@@ -131,7 +152,9 @@ class Job:
         Raises:
             RefusedError: with the reason why not.
         """
-        await until(lambda: self.site.armed or self._disarmed or self._canceled(), ARMED_WITHIN_S)
+        self.node.recorder.problem = ""
+        arming = self.node.arming
+        await until(lambda: arming.armed or self._disarmed or self._canceled(), ARMED_WITHIN_S)
         self.check()
 
     def check(self) -> None:
@@ -150,23 +173,23 @@ class Job:
             raise self._end
 
     def _check_now(self) -> None:
-        site = self.site
+        node = self.node
         self.check_canceled()
         self._check_lapsed()
         if not self._armed:
             raise RefusedError(
                 Codes.NOT_ARMED,
                 "disarmed since the job began: start it again"
-                if site.armed
+                if node.arming.armed
                 else "not armed: call the service shoe/arm with data true first",
             )
-        if site.recorder.problem:
-            raise RefusedError(Codes.RECORDING_FAILED, site.recorder.problem)
-        if problem := site.input_problem():
+        if node.recorder.problem:
+            raise RefusedError(Codes.RECORDING_FAILED, node.recorder.problem)
+        if problem := node.input_problem():
             raise RefusedError(Codes.STALE_INPUT, problem.message)
 
     def _check_lapsed(self) -> None:
-        if self.site.lapsed:
+        if self.node.arming.lapsed:
             raise RefusedError(
                 Codes.NOT_ARMED,
                 "the planner, which armed the robot, has fallen silent: start it again and arm",

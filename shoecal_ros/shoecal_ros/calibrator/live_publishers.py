@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from functools import partial
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 from geometry_msgs.msg import PointStamped, WrenchStamped
@@ -15,13 +13,16 @@ from rclpy.publisher import Publisher
 from shoecal_msgs.msg import FootState, ShoeForces, ShoeState
 
 from shoecal_core.robot.kinematics import BodyStates
+from shoecal_core.shoe.instant import Place
 from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_ros.calibrator.force_samples import ForceSamples, no_forces
-from shoecal_ros.calibrator.live import FootFlags, Live, wrench_of
+from shoecal_ros.calibrator.live import FootFlags, Live, Wrench, wrench_of
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import header_to_ros, point_to_ros, wrench_to_ros
 
 FloatArray = NDArray[np.float64]
+BOTH = -1
+"""In place of a foot: both together."""
 
 
 class LivePublishers:
@@ -30,8 +31,8 @@ class LivePublishers:
     def __init__(self, node: Node, shoe: Shoe, soles: tuple[str, str]) -> None:
         """Publishers of a node, in the frames of the soles."""
         self._soles = soles
-        self._cop, self._grf = _pair(node, "shoe")
-        self._feet = [_pair(node, f"shoe/{foot}") for foot in FEET]
+        self._pairs = {BOTH: _pair(node, "shoe")}
+        self._pairs |= {index: _pair(node, f"shoe/{foot}") for index, foot in enumerate(FEET)}
         self._forces = node.create_publisher(ShoeForces, "shoe/forces", qos.LIVE)
         self._state = node.create_publisher(ShoeState, "shoe/state", qos.LATCHED)
         self._cells = [
@@ -41,24 +42,19 @@ class LivePublishers:
     @property
     def topics(self) -> set[str]:
         """Resolved names of all that is published here."""
-        pairs = [(self._cop, self._grf), *self._feet]
-        singles = (self._state, self._forces)
-        return {one.topic_name for one in (*singles, *(each for pair in pairs for each in pair))}
+        pairs = [each for pair in self._pairs.values() for each in pair]
+        return {one.topic_name for one in (self._state, self._forces, *pairs)}
 
     def publish(self, lives: Sequence[Live]) -> None:
         """Publish instants in order."""
-        makers: list[tuple[Publisher, Callable[[Live], Any]]] = [
-            (self._cop, self._combined_cop),
-            (self._grf, self._combined_grf),
-        ]
-        for foot, (cop, grf) in enumerate(self._feet):
-            makers += [(cop, partial(self._foot_cop, foot)), (grf, partial(self._foot_grf, foot))]
-        for publisher, each in makers:
-            if publisher.get_subscription_count():
-                for live in lives:
-                    message = each(live)
-                    if message is not None:
-                        publisher.publish(message)
+        for whose, (cop, grf) in self._pairs.items():
+            places, wrenches = cop.get_subscription_count(), grf.get_subscription_count()
+            for live in lives if places or wrenches else ():
+                foot, place, wrench = _seen(live, whose)
+                if places and place is not None:
+                    cop.publish(point_to_ros(live.stamp_ns, self._soles[foot], place))
+                if wrenches and wrench is not None:
+                    grf.publish(wrench_to_ros(live.stamp_ns, self._soles[foot], wrench))
 
     def publish_state(
         self,
@@ -104,29 +100,6 @@ class LivePublishers:
         if self._forces.get_subscription_count():
             self._forces.publish(no_forces(stamp_ns, calibration_id, self._soles, flags))
 
-    def _combined_cop(self, live: Live) -> Any:
-        if live.cop is None:
-            return None
-        return point_to_ros(live.stamp_ns, self._soles[live.frame], live.cop)
-
-    def _combined_grf(self, live: Live) -> Any:
-        if live.wrench is None:
-            return None
-        return wrench_to_ros(live.stamp_ns, self._soles[live.frame], live.wrench)
-
-    def _foot_cop(self, foot: int, live: Live) -> Any:
-        cop = live.feet[foot].cop
-        if cop is None or not live.reported[foot]:
-            return None
-        return point_to_ros(live.stamp_ns, self._soles[foot], cop)
-
-    def _foot_grf(self, foot: int, live: Live) -> Any:
-        wrench = wrench_of(live.feet[foot])
-        # A force that is not known is nothing for a controller, nor is one that it has got.
-        if math.isnan(wrench[0]) or not live.reported[foot]:
-            return None
-        return wrench_to_ros(live.stamp_ns, self._soles[foot], wrench)
-
     def publish_forces(
         self,
         samples: ForceSamples,
@@ -147,6 +120,17 @@ class LivePublishers:
         if self._forces.get_subscription_count():
             for live in lives:
                 self._forces.publish(samples.message(live, flags, states, noise))
+
+
+def _seen(live: Live, whose: int) -> tuple[int, Place | None, Wrench | None]:
+    """Foot in whose sole frame they are, CoP and wrench; None where there is nothing new to say."""
+    if whose == BOTH:
+        return live.frame, live.cop, live.wrench
+    if not live.reported[whose]:
+        return whose, None, None
+    own = live.feet[whose]
+    # A force that is not known is nothing for a controller.
+    return whose, own.cop, None if math.isnan(own.force) else wrench_of(own)
 
 
 def _pair(node: Node, prefix: str) -> tuple[Publisher, Publisher]:

@@ -14,13 +14,15 @@ from shoecal_core.files import system_error
 from shoecal_core.planning.standard import PlannedRun
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.double_support import DoubleSupport
-from shoecal_ros.calibrator.job import Codes, Job, JobContext
+from shoecal_ros.calibrator.calibrator_base import PLAN_ACTION, REACH_ACTION, CalibratorBase
+from shoecal_ros.calibrator.job import Codes, Job
 from shoecal_ros.calibrator.proposals import planned_as
 from shoecal_ros.common.conversions import support_to_ros
 from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.waiting import aside, until
 
-REACH_ACTION, PLAN_ACTION = "robot/reach_support", "shoe/plan"
+LONGEST_NAME = 255
+"""Of a file or folder [characters]."""
 REACH_SHARE, PLAN_SHARE = 0.1, 0.3
 """Of one run's progress."""
 
@@ -29,18 +31,38 @@ SeriesProgress = Callable[[str, int, float, str], None]
 (0 to 1), and a line for a person."""
 
 
-async def make_session(site: JobContext, name: str, seed: int) -> Session:
+class NoSessionNameError(ShoecalError):
+    """Anything but the plain name of a folder."""
+
+
+def session_folder(sessions_dir: str, name: str) -> Path:
+    """Folder of a session by its name: no request names a file.
+
+    Raises:
+        NoSessionNameError: for anything but a plain name.
+    """
+    sessions = Path(sessions_dir).expanduser()
+    plain = name.isprintable() and len(name) <= LONGEST_NAME and "/" not in name
+    if not plain or name in {"", ".", ".."}:
+        raise NoSessionNameError(
+            f"a session is named by its folder's name in {sessions}, without any path; put it "
+            "there (a link does), or use the command shoecal with it"
+        )
+    return sessions / name
+
+
+async def make_session(node: CalibratorBase, name: str, seed: int) -> Session:
     """A new session's folder in `sessions_dir`.
 
     Raises:
         RefusedError: when it cannot be made.
     """
-    folder = Path(site.job_settings.sessions_dir).expanduser()
+    folder = Path(node.job_settings.sessions_dir).expanduser()
 
     def make() -> Session:
         folder.mkdir(parents=True, exist_ok=True)
         return Session.create(
-            folder / name, site.robot.path, site.robot.urdf, site.shoe.path, seed=seed
+            folder / name, node.robot.path, node.robot.urdf, node.shoe.path, seed=seed
         )
 
     try:
@@ -57,7 +79,7 @@ class RunSeries:
 
     def __init__(self, job: Job, session: Session, reported: SeriesProgress) -> None:
         self._job = job
-        self._site = job.site
+        self._node = job.node
         self._session = session
         self._report_all = reported
         self._index = self._count = 0
@@ -78,39 +100,39 @@ class RunSeries:
         place = str(support)
         self._report("reaching", 0.0, place)
         reached = await self._job.done(
-            self._site.reach_client,
+            self._node.reach_client,
             REACH_ACTION,
-            ReachSupport.Goal(support=support_to_ros(support), run_id=self._site.run_id),
+            ReachSupport.Goal(support=support_to_ros(support), run_id=self._node.run_id),
             lambda reported: self._report("reaching", REACH_SHARE * reported.progress, place),
-            self._site.job_settings.reach_timeout_s,
+            self._node.job_settings.reach_timeout_s,
             Codes.SUPPORT_FAILED,
         )
         _require(reached, Codes.SUPPORT_FAILED, f"support {self._index} ({place}) not reached")
 
     async def _stand_still(self) -> None:
-        site, job = self._site, self._job
-        site.stillness.restart()
+        node, job = self._node, self._job
+        node.stillness.restart()
         await until(
-            lambda: site.stillness.still or job.interrupted, site.job_settings.still_timeout_s
+            lambda: node.stillness.still or job.interrupted, node.job_settings.still_timeout_s
         )
         job.check()
-        if not site.stillness.still:
+        if not node.stillness.still:
             raise RefusedError(
                 Codes.SUPPORT_FAILED,
-                f"the robot does not stand still within {site.job_settings.still_timeout_s:g} s; "
+                f"the robot does not stand still within {node.job_settings.still_timeout_s:g} s; "
                 "stop what else moves it, or raise still_speed",
             )
 
     async def _move(self, run: PlannedRun) -> None:
         """Plan and do the motion; what is recorded is the motion, not the planning."""
-        recorder = self._site.recorder
+        recorder = self._node.recorder
         recorder.stand_by()
         moved = await self._job.done(
-            self._site.plan_client,
+            self._node.plan_client,
             PLAN_ACTION,
-            Plan.Goal(motion=planned_as(run.motion), send=True, run_id=self._site.run_id),
+            Plan.Goal(motion=planned_as(run.motion), send=True, run_id=self._node.run_id),
             partial(self._hear_motion, run),
-            self._site.job_settings.motion_timeout_s,
+            self._node.job_settings.motion_timeout_s,
             Codes.MOTION_FAILED,
         )
         _require(moved, Codes.MOTION_FAILED, f"motion {self._index} ({run.motion}) not done")
@@ -121,7 +143,7 @@ class RunSeries:
             raise RefusedError(Codes.RECORDING_FAILED, str(error)) from error
 
     def _hear_motion(self, run: PlannedRun, reported: Plan.Feedback) -> None:
-        recorder, place = self._site.recorder, f"{run.motion}, landmark {reported.landmark}"
+        recorder, place = self._node.recorder, f"{run.motion}, landmark {reported.landmark}"
         if reported.phase != "moving":
             self._report("planning", REACH_SHARE + PLAN_SHARE * reported.progress, place)
             return

@@ -12,8 +12,6 @@ from rclpy.action.server import ServerGoalHandle
 from rclpy.task import Future
 
 from shoecal_core.errors import ShoecalError
-from shoecal_ros.common.health import Level
-from shoecal_ros.common.node import ShoecalNode
 from shoecal_ros.common.waiting import until
 
 ANSWER_S = 10.0
@@ -46,28 +44,6 @@ class Pacing:
             return False
         self._reported = (stage, now)
         return True
-
-
-def logged(
-    node: ShoecalNode, feedback: Callable[[Any], None], step: Callable[[Any], tuple[object, ...]]
-) -> Callable[[Any], None]:
-    """Feedback that also goes to the log, a line whenever another step begins.
-
-    Args:
-        node: whose log.
-        feedback: takes all of it.
-        step: of one feedback.
-    """
-    last: tuple[object, ...] = ()
-
-    def report(reported: Any) -> None:
-        nonlocal last
-        if (now := step(reported)) != last:
-            last = now
-            node.log(Level.OK, f"{' '.join(map(str, now))}: {reported.message}")
-        feedback(reported)
-
-    return report
 
 
 def finish(goal: ServerGoalHandle, result: Any, *, canceled: int) -> None:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from shoecal_core.errors import ShoecalError
 from shoecal_ros.common.codes import Code, Problem
 from shoecal_ros.common.conversions import VoltageFrame
+from shoecal_ros.common.health import Condition
 from shoecal_ros.inputs.arrival_monitor import SILENT_S, ArrivalMonitor
 from shoecal_ros.inputs.cell_watch import CellWatch
 from shoecal_ros.inputs.joining import BoardsApartError, FrameJoiner, Joined
@@ -68,19 +69,9 @@ class VoltageInput:
         return None if self.latest is None else self.latest.stamp_ns
 
     @property
-    def lost(self) -> int:
-        """Frames that never came, by the devices' counters."""
-        return self._lost.count
-
-    @property
     def sources(self) -> Collection[str]:
         """Devices that have sent cells' readings, by the frame_id of their messages."""
         return self._lost.sources
-
-    @property
-    def left_out(self) -> int:
-        """Frames that came, but with stamps before those of others: a clock was set back."""
-        return self._joiner.left_out
 
     @property
     def age_s(self) -> float:
@@ -111,6 +102,16 @@ class VoltageInput:
                 "channels or the shoe file",
             )
         return None
+
+    @property
+    def condition(self) -> Condition:
+        """What is wrong with them, and how many come, for diagnostics."""
+        figures = {
+            **self.heard.figures(),
+            "lost_frames": str(self._lost.count),
+            "left_out_frames": str(self._joiner.left_out),
+        }
+        return Condition.of(self.problem, "voltages come", figures)
 
     def refuse(self, problem: Problem) -> None:
         """Something that came could not be used."""

@@ -17,7 +17,7 @@ from shoecal_ros.calibrator.active_calibration import UNCALIBRATED
 from shoecal_ros.calibrator.calibration_server import CalibrationServer
 from shoecal_ros.calibrator.calibrator_base import CalibratorBase
 from shoecal_ros.calibrator.diagnosis_server import DiagnosisServer
-from shoecal_ros.calibrator.drift_monitor import DriftMonitor
+from shoecal_ros.calibrator.drift_watch import DriftMonitor
 from shoecal_ros.calibrator.halt import Halt
 from shoecal_ros.calibrator.live import FootFlags
 from shoecal_ros.calibrator.live_publishers import LivePublishers
@@ -31,7 +31,6 @@ from shoecal_ros.common.process import run
 from shoecal_ros.inputs.input_timeout import InputTimeout
 from shoecal_ros.inputs.sensor_frames import frame_reader
 from shoecal_ros.inputs.serialised import understood
-from shoecal_ros.inputs.voltages_condition import voltages_condition
 
 
 class CalibratorNode(CalibratorBase):
@@ -60,7 +59,7 @@ class CalibratorNode(CalibratorBase):
         problem = self.joints.problem or self.one_clock.problem
         figures = self.joints.heard.figures()
         self.health.note("joints", Condition.of(problem, "joints come", figures))
-        self.health.note("voltages", voltages_condition(self.voltages))
+        self.health.note("voltages", self.voltages.condition)
         self.health.note("cells", self.cells.condition)
         self._report_calibration()
         self.health.note("diagnosis", self._diagnoses.condition)

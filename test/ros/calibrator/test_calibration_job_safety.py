@@ -10,7 +10,8 @@ from rclpy.action import ActionClient
 from shoecal_msgs.action import Calibrate
 
 from shoecal_ros.calibrator import job as jobs
-from shoecal_ros.calibrator.job import Job, JobContext
+from shoecal_ros.calibrator.calibrator_base import CalibratorBase
+from shoecal_ros.calibrator.job import Job
 from shoecal_ros.calibrator.job_settings import JobSettings
 from shoecal_ros.common.codes import Code, Problem
 from shoecal_ros.common.refusal import RefusedError
@@ -31,9 +32,7 @@ def run(waiting: Coroutine[None, None, None]) -> None:
 
 def make_site(*, armed: bool) -> SimpleNamespace:
     return SimpleNamespace(
-        armed=armed,
-        disarmings=0,
-        lapsed=False,
+        arming=SimpleNamespace(armed=armed, disarmings=0, lapsed=False),
         recorder=SimpleNamespace(problem=""),
         input_problem=lambda: None,
     )
@@ -41,9 +40,9 @@ def make_site(*, armed: bool) -> SimpleNamespace:
 
 def test_arming_counts_that_is_heard_after_the_request() -> None:
     site = make_site(armed=False)
-    beginning = Job(cast("JobContext", site), lambda: False).begin()
+    beginning = Job(cast("CalibratorBase", site), Calibrate.Feedback(), lambda: False).begin()
     beginning.send(None)
-    site.armed = True
+    site.arming.armed = True
     run(beginning)
 
 
@@ -57,8 +56,10 @@ def test_a_job_that_nobody_arms_or_wants_does_not_begin(
 ) -> None:
     monkeypatch.setattr(jobs, "ARMED_WITHIN_S", within_s)
     site = make_site(armed=False)
-    beginning = Job(cast("JobContext", site), lambda: ended_by == "cancelling").begin()
-    site.disarmings += ended_by == "disarming"
+    beginning = Job(
+        cast("CalibratorBase", site), Calibrate.Feedback(), lambda: ended_by == "cancelling"
+    ).begin()
+    site.arming.disarmings += ended_by == "disarming"
     with pytest.raises(RefusedError) as refusal:
         run(beginning)
     assert refusal.value.code == code
@@ -76,7 +77,7 @@ def test_voltages_that_were_gone_for_a_moment_are_the_reason_though_they_are_bac
         return SimpleNamespace(success=False, message="cancelled")
 
     monkeypatch.setattr(jobs, "do_action", do_action)
-    job = Job(cast("JobContext", site), lambda: False)
+    job = Job(cast("CalibratorBase", site), Calibrate.Feedback(), lambda: False)
     moving = job.done(
         cast("ActionClient", None), "shoe/plan", None, lambda _: None, 60.0,
         Calibrate.Result.MOTION_FAILED,

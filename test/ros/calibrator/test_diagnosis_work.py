@@ -11,7 +11,7 @@ from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.standard import STANDARD, PlannedRun
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.double_support import DoubleSupport
-from shoecal_ros.calibrator import diagnosis_work
+from shoecal_ros.calibrator import job_work
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.common.worker import Link
 
@@ -20,9 +20,7 @@ SUPPORTS = (DoubleSupport(0.0, -0.112, 0.0), DoubleSupport(0.01, -0.115, 0.25))
 
 def runs(motions: Sequence[str], session: Path | None = None) -> list[PlannedRun]:
     files = RobotFiles(str(NAO), str(NAO_SHOE))
-    return diagnosis_work.runs_to_record(
-        Link(Pipe()[1]), files, PlannerSettings(), motions, 1, session
-    )
+    return job_work.runs_to_record(Link(Pipe()[1]), files, PlannerSettings(), motions, 1, session)
 
 
 @pytest.fixture

@@ -37,7 +37,7 @@ class Scene:
         self.sent: list[JointTrajectoryMsg] = []
         self.logged: list[str] = []
         self.arming = ArmedInput(self, self.clock)  # type: ignore[arg-type]
-        self.halt = Halt(self, self.arming)
+        self.halt = Halt(self, self.arming)  # type: ignore[arg-type]
         for _ in range(10):
             self.receive(POSTURE)
 
@@ -168,7 +168,7 @@ def test_it_does_not_hurry_back_to_where_the_robot_was_long_ago(scene: Scene) ->
 
 def test_who_has_told_no_joint_angles_is_not_commanded() -> None:
     scene = Scene()
-    scene.halt = Halt(scene, scene.arming)
+    scene.halt = Halt(scene, scene.arming)  # type: ignore[arg-type]
     scene.arm()
     scene.planners = 0
     scene.halt.watch()

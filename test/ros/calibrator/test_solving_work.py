@@ -13,7 +13,7 @@ from shoecal_core import cli
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.estimation.calibration import load_calibration
 from shoecal_core.screening.settings import CalibrationSettings
-from shoecal_ros.calibrator import solving_work
+from shoecal_ros.calibrator import job_work
 from shoecal_ros.common.worker import Link
 
 
@@ -35,7 +35,7 @@ def test_a_manual_calibration_is_the_prior_of_the_fit(folder: Path) -> None:
     manual = load_calibration(folder / "bench" / "calibration.yaml")
     link = Link(Pipe()[1])
     alone, with_prior = (
-        solving_work.solve(link, session, settings, tolerances, 10**18, prior)
+        job_work.solve(link, session, settings, tolerances, 10**18, prior)
         for prior in (None, manual)
     )
     assert not np.array_equal(alone.parameters.gain, with_prior.parameters.gain)
@@ -44,5 +44,5 @@ def test_a_manual_calibration_is_the_prior_of_the_fit(folder: Path) -> None:
     assert cli.main([str(word) for word in (*words, "--out", out)]) in {0, 1, 2}
     by_command = load_calibration(out)
     np.testing.assert_allclose(with_prior.parameters.gain, by_command.parameters.gain, rtol=1e-9)
-    kept = load_calibration(session / solving_work.CALIBRATION)
+    kept = load_calibration(session / job_work.CALIBRATION)
     np.testing.assert_array_equal(kept.parameters.gain, with_prior.parameters.gain)

@@ -6,7 +6,7 @@ from typing import Any
 
 from shoecal_ros.calibrator.calibration_job import CalibrationJob
 from shoecal_ros.calibrator.calibration_store import CalibrationStore
-from shoecal_ros.calibrator.diagnosis_job import RunningDiagnosis
+from shoecal_ros.calibrator.diagnosis_job import DiagnosisJob
 from shoecal_ros.calibrator.rezeroing import RezeroServer
 from shoecal_ros.nodes.calibrator import main
 
@@ -25,7 +25,7 @@ def fails_once(owner: type, name: str, error: Exception) -> None:
 if __name__ == "__main__":
     for owner, name in (
         (CalibrationJob, "_draw"),
-        (RunningDiagnosis, "_check_goal"),
+        (DiagnosisJob, "_check_goal"),
         (CalibrationStore, "save"),
         (RezeroServer, "_observe"),
     ):

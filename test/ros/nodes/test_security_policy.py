@@ -10,10 +10,10 @@ from xml.etree import ElementTree as ET
 import shoecal_ros
 from core.shoe.shoes import ROOT
 from ros.policy import POLICY, Rights, allowed, policy, used
+from ros.viewers.layouts import shown_by
 from ros.world import World
 from shoecal_core.recording import schemas
 from shoecal_ros.planner.settings import MovingSettings
-from shoecal_ros.viewers.layouts import shown_by
 
 NODES = ("shoe_driver", "model", "planner", "calibrator", "simulator", "voltage_stream")
 SOURCES = Path(shoecal_ros.__file__).parent

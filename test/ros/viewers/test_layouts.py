@@ -8,12 +8,11 @@ from pathlib import Path
 
 import pytest
 
+from ros.viewers.fit import misfits
+from ros.viewers.layouts import shown_by
 from ros.world import World
 from shoecal_core.errors import FileError, ShoecalError
-from shoecal_ros import check_layouts
-from shoecal_ros.viewers.fit import misfits
-from shoecal_ros.viewers.layouts import shown_by
-from shoecal_ros.viewers.placed import placed_layout
+from shoecal_ros.placed_layout import placed_layout
 
 ROS = Path(__file__).parents[3] / "shoecal_ros"
 LAYOUTS = (
@@ -160,14 +159,3 @@ def test_files_that_are_no_layout(tmp_path: Path, name: str, content: str, repor
     file.write_text(content)
     with pytest.raises(FileError, match=reported):
         shown_by(file)
-
-
-def test_the_command_tells_what_is_not_there(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    file = foxglove(tmp_path, "/nobody/has/this.x")
-    assert check_layouts.main([str(file), "--wait", "0"]) == 1
-    assert "no node publishes this topic" in capsys.readouterr().err
-    assert check_layouts.main([str(tmp_path / "none.json"), "--wait", "0"]) == 1
-    assert "none.json" in capsys.readouterr().err
-    assert check_layouts.main([str(foxglove(tmp_path, "/rosout.msg")), "--wait", "2"]) == 0

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
 from pathlib import Path
 
-from shoecal_ros.viewers.layouts import Shown, shown_by, split_path
+from ros.viewers.layouts import Shown, shown_by, split_path
 
 FROM_OTHERS = ("/tf", "/tf_static", "/robot_description", "/diagnostics", "/rosout")
 """Topics that others than shoecal's nodes may have to publish."""

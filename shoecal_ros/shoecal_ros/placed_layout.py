@@ -9,8 +9,8 @@ from pathlib import Path
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import atomic_write, read_bytes
 from shoecal_ros.common.conversions import SOLES
-from shoecal_ros.viewers.layouts import MAX_BYTES
 
+MAX_BYTES = 10_000_000
 _NAMESPACE = re.compile(r"(/[A-Za-z_]\w*)*")
 _FRAME = re.compile(r"[\w/.-]+")
 

@@ -1,1 +1,0 @@
-"""Layouts for RViz, Foxglove and PlotJuggler, and whether they fit the topics there are."""
