@@ -9,4 +9,4 @@ Progress = Callable[[str, float], None]
 
 
 def no_progress(_text: str, _share: float) -> None:
-    """Where nobody wants to know."""
+    """For work without anyone to report to."""

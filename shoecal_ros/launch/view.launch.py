@@ -7,7 +7,7 @@
     ros2 launch shoecal_ros view.launch.py viewer:=rviz namespace:=lab left_sole_frame:=one/l_sole
 
 Foxglove runs elsewhere: this starts its bridge, on this computer alone (ws://localhost:8765), and
-tells which file to open there as a layout. The viewers are packages of their own:
+says which file to open there as a layout. The viewers are packages of their own:
 ros-jazzy-rviz2, ros-jazzy-plotjuggler-ros, ros-jazzy-foxglove-bridge.
 
 Discovery stays on this computer unless ROS_AUTOMATIC_DISCOVERY_RANGE is set before.

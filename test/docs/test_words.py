@@ -47,3 +47,25 @@ def test_prose_uses_plain_words(page: Path) -> None:
         if re.search(rf"\b{word}\b", line, re.IGNORECASE)
     ]
     assert not found, "\n".join(found)
+
+
+PUBLIC_NAMES = re.compile(r"temperatures?_told|NOBODY_LISTENS|nobody-listens")
+"""Keys of files and codes of diagnostics that were given before."""
+CODE = sorted(
+    file
+    for package in ("shoecal_core/shoecal_core", "shoecal_ros/shoecal_ros", "shoecal_ros/launch")
+    for file in (ROOT / package).rglob("*.py")
+)
+
+
+def test_code_uses_plain_words() -> None:
+    """In names, comments, docstrings and messages alike."""
+    assert CODE
+    words = re.compile(rf"(?<![a-z])({'|'.join(AVOIDED)})(?![a-z])", re.IGNORECASE)
+    found = [
+        f"{file.relative_to(ROOT)}:{number}: '{match[0]}': {AVOIDED[match[0].lower()]}"
+        for file in CODE
+        for number, line in enumerate(file.read_text().splitlines(), 1)
+        for match in words.finditer(PUBLIC_NAMES.sub("", line))
+    ]
+    assert not found, "\n".join(found)

@@ -140,8 +140,8 @@ def diagnose(
         said = replace(said, causes=tuple(causes_of(best, found)))
     progress("done", 1.0)
     chosen = found.chosen if said.causes else None
-    mended_gap = best.explained(None)[0]
-    without_any = workspace.explained(None)[0] if certain else mended_gap
+    corrected_gap = best.explained(None)[0]
+    without_any = workspace.explained(None)[0] if certain else corrected_gap
     left = best.explained(chosen)[0]
     worse, grown = worse_runs(best, without_any, left, settings)
     diagnosis = Diagnosis(
@@ -163,7 +163,7 @@ def diagnose(
         evidence=evidence(best, chosen, found.singles),
         dissent=(*denied, *grown),
         zeros=zeros,
-        budget=budget(best, mended_gap, chosen),
+        budget=budget(best, corrected_gap, chosen),
     )
     diagnosis = lowered(diagnosis, worse) if said.causes else diagnosis
     return replace(diagnosis, action=action(diagnosis))

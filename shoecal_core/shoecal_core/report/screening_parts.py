@@ -25,16 +25,16 @@ def left_out_group(
     counted = sum(screening.samples.values())
     lost = sum(one.samples for one in screening.left_out)
     if not counted:
-        told = "The recording was not screened."
+        summary = "The recording was not screened."
     elif lost:
-        told = f"{lost} of {counted} samples do not count ({100.0 * lost / counted:.1f} %)."
+        summary = f"{lost} of {counted} samples do not count ({100.0 * lost / counted:.1f} %)."
     else:
-        told = f"Nothing: all {counted} samples count."
+        summary = f"Nothing: all {counted} samples count."
     picture = left_out_spans(screening, ends)
     tables = (left_out_table(screening), findings_table(screening))
     return Group(
         title,
-        f"{told} {text}".strip(),
+        f"{summary} {text}".strip(),
         pictures=() if picture is None else (picture,),
         tables=tuple(table for table in tables if table is not None),
     )

@@ -2,7 +2,7 @@
 
 A cell gives nothing, stands at an end of its converter's range, gives one value all the time
 although the others' change, or although its own noise never let it rest before (`own_noise.py`: a
-whole board may hang), or leaps all by itself: what happens to a foot is felt by more than one of
+whole board may hang), or jumps all by itself: what happens to a foot is felt by more than one of
 its cells. Readings of such cells are marked as the device marks them, so that no force is made of
 them. What looks like a cell in order cannot be detected here: two cells that are swapped, one that
 follows late, or one that is jammed but still noisy. A calibration and the watch for drift detect
@@ -37,14 +37,14 @@ KNOWN_S = 5.0
 """Time constant of how often a cell's reading changes usually."""
 NOISE_S = 1.0
 """Time constant of how much it changes."""
-LEAP_NOISE, LEAP_SHARE = 10.0, 0.01
-"""A leap is a change of so many usual ones, and of this share of the converter's range."""
+JUMP_NOISE, JUMP_SHARE = 10.0, 0.01
+"""A jump is a change of so many usual ones, and of this share of the converter's range."""
 ALONE = 5.0
 """The foot's other cells change by less than this part of it."""
-LEAP_FRAMES = 3
-"""Who has not come back from a leap by then has been loaded."""
-LEAP_PERIOD_S = 0.05
-"""Readings of a cell further apart show no leaps."""
+JUMP_FRAMES = 3
+"""Who has not come back from a jump by then has been loaded."""
+JUMP_PERIOD_S = 0.05
+"""Readings of a cell further apart show no jumps."""
 SPIKE_S = 0.3
 """For so long after a spike its cell counts as broken."""
 LEARN_S, LEARN_FRAMES = 0.04, 1000
@@ -64,7 +64,7 @@ _FAULTS = {
     Code.CELL_SILENT: "gives nothing",
     Code.CELL_FAULT: "is broken, says its device",
     Code.CELL_STUCK: "gives one value all the time",
-    Code.CELL_LEAPS: "leaps by itself",
+    Code.CELL_LEAPS: "jumps by itself",
 }
 CURE = "check cable, clamp and board"
 
@@ -87,7 +87,7 @@ class CellWatch:
         ends = np.array([[channel.lowest, channel.highest] for channel in shoe.channels])
         self._middle = ends.mean(axis=1)
         self._reach = (ends[:, 1] - ends[:, 0]) / 2.0
-        self._least = LEAP_SHARE * 2.0 * self._reach
+        self._least = JUMP_SHARE * 2.0 * self._reach
         near = (shoe.foot[:, None] == shoe.foot) & (shoe.torque[:, None] == shoe.torque)
         np.fill_diagonal(near, val=False)
         self._near = near.astype(np.float64)
@@ -112,7 +112,7 @@ class CellWatch:
             code = _CODES[status]
             if status == FAULT and self._frozen[index]:
                 code = Code.CELL_STUCK
-            elif status == FAULT and (self._leaps[index] or self._spiky[index]):
+            elif status == FAULT and (self._jumps[index] or self._spiky[index]):
                 code = Code.CELL_LEAPS
             found[self._names[index]] = code
         return found
@@ -152,7 +152,7 @@ class CellWatch:
                 columns = np.flatnonzero(board.ravel() == index)
                 if own.any():
                     self._learn(columns, stamps[own], readings[own][:, columns])
-        self._bound = np.maximum(self._least, LEAP_NOISE * self._noise)
+        self._bound = np.maximum(self._least, JUMP_NOISE * self._noise)
         self._look_for_frozen()
 
     def _learn(self, cells: Cells, stamps: NDArray[np.int64], readings: FloatArray) -> None:
@@ -195,7 +195,7 @@ class CellWatch:
         self._noise = np.zeros(count)
         self._bound = self._least
         self._frozen = np.zeros(count, dtype=bool)
-        self._leaps = np.zeros(count, dtype=np.int64)
+        self._jumps = np.zeros(count, dtype=np.int64)
         self._level = readings
         self._read_ns = np.zeros(count, dtype=np.int64)
         self._spiky_until_ns = np.zeros(count, dtype=np.int64)
@@ -223,12 +223,12 @@ class CellWatch:
     def _mark(self, one: Joined, inside: BoolArray, leaving: FloatArray) -> Joined:
         """The readings with the status of each cell as it is seen; `inside`, `leaving` are (n,)."""
         known = np.isfinite(one.readings)
-        self._look_for_leaps(one, np.where(known & np.isfinite(leaving), leaving, 0.0))
+        self._look_for_jumps(one, np.where(known & np.isfinite(leaving), leaving, 0.0))
         status = one.status.copy()
         well = status == GOOD
         status[well & ~known] = NO_DATA
         status[well & known & ~inside] = SATURATED
-        broken = self._frozen | (self._leaps > 0) | self._spiky
+        broken = self._frozen | (self._jumps > 0) | self._spiky
         status[(status == GOOD) & broken] = FAULT
         self._status = status
         self._calm = not (status.any() or broken.any())
@@ -243,24 +243,24 @@ class CellWatch:
         self._frozen = unlike_others | self._own_noise.ended
         self._calm = self._calm and not self._frozen.any()
 
-    def _look_for_leaps(self, one: Joined, leaving: FloatArray) -> None:
+    def _look_for_jumps(self, one: Joined, leaving: FloatArray) -> None:
         """From the last level that was believed; `leaving` is (n,).
 
-        A slow board's reading goes with several of a fast one's: it has leapt once.
+        A slow board's reading goes with several of a fast one's: it has jumpt once.
         """
         far = leaving > self._bound
-        back = (self._leaps > 0) & ~far & one.new
+        back = (self._jumps > 0) & ~far & one.new
         self.spikes += back
         self._spiky_until_ns[back] = one.stamp_ns + round(1e9 * SPIKE_S)
         self._spiky = one.stamp_ns < self._spiky_until_ns
         near = self._near * one.new
         alone = (near * leaving).max(axis=1) * ALONE < leaving
-        soon = one.stamp_ns - self._read_ns <= LEAP_PERIOD_S * 1e9
+        soon = one.stamp_ns - self._read_ns <= JUMP_PERIOD_S * 1e9
         begun = far & alone & near.any(axis=1) & soon
-        away = far & ((self._leaps > 0) | begun)
-        leaps = np.where(away, self._leaps + 1, 0)
-        leaps[leaps > LEAP_FRAMES] = 0
-        self._leaps = np.where(one.new, leaps, self._leaps)
+        away = far & ((self._jumps > 0) | begun)
+        jumps = np.where(away, self._jumps + 1, 0)
+        jumps[jumps > JUMP_FRAMES] = 0
+        self._jumps = np.where(one.new, jumps, self._jumps)
         # What is no number leads from no level.
         level = np.where(np.isfinite(one.readings), one.readings, np.nan)
-        self._level = np.where(self._leaps > 0, self._level, level)
+        self._level = np.where(self._jumps > 0, self._level, level)

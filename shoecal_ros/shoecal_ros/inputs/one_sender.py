@@ -66,16 +66,16 @@ class OneSender:
     def _one(self, stamp: int, angles: FloatArray) -> bool:
         """Whether one sample counts."""
         back, self._heard_ns = stamp < self._heard_ns, stamp
-        believed, leaps = False, False
+        believed, jumps = False, False
         if self._believed is None or self._near(self._believed, stamp, angles):
             believed = True
         elif not 0 <= self._believed[0] - stamp < CLOCK_SET_NS:
             believed = self._pending is not None and self._near(self._pending, stamp, angles)
-            leaps = not believed
-        self._odd.append(back or leaps)
+            jumps = not believed
+        self._odd.append(back or jumps)
         if believed:
             self._believed, self._pending = (stamp, angles), None
-        elif leaps:
+        elif jumps:
             self._pending = stamp, angles
         return believed
 

@@ -75,7 +75,7 @@ class Above:
 
     Attributes:
         low, high: (2,) corners (x, y) of what it shows at least [mm].
-        draw: into its axes; told the scale in units a millimetre.
+        draw: into its axes, with the scale in units a millimetre.
         title: above it.
     """
 

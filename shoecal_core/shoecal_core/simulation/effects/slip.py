@@ -23,7 +23,7 @@ _ICE = 0.02
 """Friction below a foot while it slips."""
 _MOVED, DURATION = 0.3, 1.2
 """s, since a slip's beginning: moved until, loose until."""
-_MENDED = 0.05
+_CORRECTED = 0.05
 """Share of what is missing that servos aim further, in each of their periods."""
 
 
@@ -89,7 +89,7 @@ class _Slipping:
         wanted = way * np.array(self.slip.shift)
         if since < DURATION:
             # Gears give, and legs were strained before: the foot is to come where it is said to.
-            self._correction += _MENDED * (wanted - self._stance.moved(sim.data))
+            self._correction += _CORRECTED * (wanted - self._stance.moved(sim.data))
         sim.strain += self._stance(sim.data.act, wanted + self._correction)
 
     def _grip(self, sim: MovingRobot, *, loose: bool) -> None:
