@@ -9,14 +9,9 @@ from shoecal_core.errors import ShoecalError
 
 
 class PackageMissingError(ShoecalError):
-    """A package of messages that is not installed.
-
-    Attributes:
-        package: its name.
-    """
+    """A package of messages that is not installed."""
 
     def __init__(self, package: str) -> None:
-        self.package = package
         debian = package.replace("_", "-")
         super().__init__(
             f"package {package} is not there; sudo apt install ros-jazzy-{debian}, or source the "

@@ -28,15 +28,16 @@ class DiagnosisServer(JobServer[DiagnosisJob]):
             return self._last
         return Condition(Level.OK, "under way", self._job.figures)
 
-    async def _do(self, job: DiagnosisJob, result: Any) -> None:
+    async def _do(self, job: DiagnosisJob, result: Any) -> str:
         try:
-            await super()._do(job, result)
-            self._last = Condition(Level.OK, result.message)
+            message = await super()._do(job, result)
         except RefusedError as refusal:
             values = {"error_code": str(refusal.code)}
             reported = f"ended: {refusal}"
             self._last = Condition(Level.WARN, reported, values, Code.DIAGNOSIS_ENDED)
             raise
+        self._last = Condition(Level.OK, message)
+        return message
 
     async def _work(self, job: DiagnosisJob, result: Any) -> str:
         try:

@@ -58,7 +58,7 @@ class Halt:
     def _stop(self, publisher: Publisher) -> None:
         angles = np.median(np.stack(self._angles), axis=0)
         # Back to where the robot was when it last reported it, no faster than it went on meanwhile.
-        command = hold(self._node.robot, angles, STOP_TIME_S + self._node.joints.age_s)
+        command = hold(self._node.robot, angles, STOP_TIME_S + self._node.joints.heard.age_s)
         publisher.publish(trajectory_to_ros(command))
         self._sent = True
         course = f" in the course of {self._run_id}" if self._run_id else ""

@@ -11,7 +11,7 @@ from rclpy.action.server import ServerGoalHandle
 
 from shoecal_ros.calibrator.calibrator_base import CalibratorBase
 from shoecal_ros.calibrator.job import Job, new_run_id
-from shoecal_ros.common.actions import finish
+from shoecal_ros.common.actions import answered
 from shoecal_ros.common.health import Level
 from shoecal_ros.common.refusal import RefusedError, faults_refused
 
@@ -73,13 +73,12 @@ class JobServer(ABC, Generic[J]):
         self._job = None
         self._node.end_job()
 
-    async def _do(self, job: J, result: Any) -> None:
+    async def _do(self, job: J, result: Any) -> str:
         """Run a job to its end; RefusedError where that is not what was asked for."""
         node = self._node
         try:
             with faults_refused(node.log, result.FAILED):
-                result.message = await self._work(job, result)
-            result.success = True
+                return await self._work(job, result)
         except RefusedError as refusal:
             node.log(Level.WARN, f"{self._what} ended: {refusal}")
             raise
@@ -89,16 +88,18 @@ class JobServer(ABC, Generic[J]):
 
     async def _execute(self, goal: ServerGoalHandle) -> Any:
         result = self._kind.Result()
-        try:
-            with faults_refused(self._node.log, result.FAILED):
-                job = self._begin(
-                    goal.request, goal.publish_feedback, lambda: bool(goal.is_cancel_requested)
-                )
-                result.run_id = job.run_id
-                await self._do(job, result)
-        except RefusedError as refusal:
-            result.error_code, result.message = refusal.code, str(refusal)
-            if not result.run_id:
-                self._node.log(Level.WARN, f"{self._what} not begun: {refusal}")
-        finish(goal, result, canceled=result.CANCELED)
-        return result
+
+        async def do() -> str:
+            try:
+                with faults_refused(self._node.log, result.FAILED):
+                    job = self._begin(
+                        goal.request, goal.publish_feedback, lambda: bool(goal.is_cancel_requested)
+                    )
+                    result.run_id = job.run_id
+                    return await self._do(job, result)
+            except RefusedError as refusal:
+                if not result.run_id:
+                    self._node.log(Level.WARN, f"{self._what} not begun: {refusal}")
+                raise
+
+        return await answered(goal, result, do)

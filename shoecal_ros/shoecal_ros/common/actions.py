@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Awaitable, Callable
+from typing import Any, TypeVar
 
 from rclpy.action import ActionClient
 from rclpy.action.server import ServerGoalHandle
 from rclpy.task import Future
 
 from shoecal_core.errors import ShoecalError
+from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.waiting import until
+
+R = TypeVar("R", bound=Any)
 
 ANSWER_S = 10.0
 """Wall-clock time in which a server must answer a request, or end what it was asked to stop."""
@@ -46,20 +49,25 @@ class Pacing:
         return True
 
 
-def finish(goal: ServerGoalHandle, result: Any, *, canceled: int) -> None:
-    """Bring a goal into the state that its result says.
+async def answered(goal: ServerGoalHandle, result: R, do: Callable[[], Awaitable[str]]) -> R:
+    """Do what a goal asks for; how that ended, in its result and its state.
 
     Args:
-        goal: that has been worked on.
-        result: with `success` and `error_code`.
-        canceled: the code for cancelled.
+        goal: of an action.
+        result: with `success`, `message`, `error_code` and the code CANCELED.
+        do: what came out, for a person; a RefusedError ends it otherwise.
     """
-    if result.success:
+    try:
+        result.message = await do()
+        result.success = True
         goal.succeed()
-    elif result.error_code == canceled and goal.is_cancel_requested:
-        goal.canceled()
-    else:
-        goal.abort()
+    except RefusedError as refusal:
+        result.error_code, result.message = refusal.code, str(refusal)
+        if refusal.code == result.CANCELED and goal.is_cancel_requested:
+            goal.canceled()
+        else:
+            goal.abort()
+    return result
 
 
 async def do_action(

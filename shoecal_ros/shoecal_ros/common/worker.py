@@ -66,23 +66,15 @@ class Work(Generic[R]):
 
     Attributes:
         progress: what it reported last, None before it did.
+        done: whether it has ended, well or not.
+        error: why it failed; None while it has not.
     """
 
     def __init__(self) -> None:
         self.progress: object = None
-        self._done = False
+        self.done = False
         self._result: R | None = None
-        self._error: ShoecalError | None = None
-
-    @property
-    def done(self) -> bool:
-        """Whether it has ended, well or not."""
-        return self._done
-
-    @property
-    def error(self) -> ShoecalError | None:
-        """Why it failed; None while it has not."""
-        return self._error
+        self.error: ShoecalError | None = None
 
     def result(self) -> R:
         """What came out.
@@ -90,21 +82,24 @@ class Work(Generic[R]):
         Raises:
             ShoecalError: as the work raised it, or WorkerError.
         """
-        if self._error is not None:
-            raise self._error
+        if self.error is not None:
+            raise self.error
         return cast(R, self._result)
 
     def finish(self, result: R | None, error: ShoecalError | None) -> None:
         """Note the end; the first one counts."""
-        if not self._done:
-            self._result, self._error = result, error
-            self._done = True
+        if not self.done:
+            self._result, self.error = result, error
+            self.done = True
 
 
 class Worker:
     """One child process that does one thing after another.
 
     The child keeps what its functions cache, so that a second call is fast.
+
+    Attributes:
+        lost: why it can do nothing any more; None while it lives.
     """
 
     def __init__(self, wake: Callable[[], None]) -> None:
@@ -115,7 +110,7 @@ class Worker:
         """
         self._wake = wake
         self._work: Work[Any] | None = None
-        self._lost: WorkerError | None = None
+        self.lost: WorkerError | None = None
         self._connection, child = Pipe()
         # The node may be gone before the child has begun, and could not be found then.
         node = os.pidfd_open(os.getpid())
@@ -129,11 +124,6 @@ class Worker:
         os.close(node)
         self._listener = threading.Thread(target=self._listen, daemon=True)
         self._listener.start()
-
-    @property
-    def lost(self) -> WorkerError | None:
-        """Why it can do nothing any more; None while it lives."""
-        return self._lost
 
     @property
     def busy(self) -> bool:
@@ -195,9 +185,9 @@ class Worker:
             else:
                 work.finish(None, value)
             self._wake()
-        self._lost = self._died()
+        self.lost = self._died()
         if self._work is not None:
-            self._work.finish(None, self._lost)
+            self._work.finish(None, self.lost)
             self._wake()
 
     def _died(self) -> WorkerError:

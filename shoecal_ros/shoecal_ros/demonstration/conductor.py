@@ -44,7 +44,7 @@ class Conductor:
 
     def __init__(self, nodes: Nodes, domain: int) -> None:
         self._nodes = nodes
-        self._reported: dict[str, tuple[bytes, str]] = {}
+        self._reported: dict[str, str] = {}
         self._asked = EndAsked()
         with ExitStack() as undo:
             undo.callback(self._asked.close)
@@ -74,20 +74,18 @@ class Conductor:
             "calibrator: voltages": "voltages come",
         }
 
-        def ready() -> bool:
-            return all(
-                self._reported.get(name, (b"", ""))[1] == text for name, text in wanted.items()
-            )
-
-        def missing() -> str:
-            waits = [
-                f"{name}: {self._reported.get(name, (b'', 'not there yet'))[1]}"
+        def missing() -> list[str]:
+            return [
+                f"{name}: {self._reported.get(name, 'not there yet')}"
                 for name, text in wanted.items()
-                if self._reported.get(name, (b"", ""))[1] != text
+                if self._reported.get(name) != text
             ]
-            return f"the nodes are not ready ({'; '.join(waits)})"
 
-        self._until(ready, START_S, missing)
+        self._until(
+            lambda: not missing(),
+            START_S,
+            lambda: f"the nodes are not ready ({'; '.join(missing())})",
+        )
 
     def arm(self) -> None:
         """Allow the robot to move."""
@@ -157,7 +155,7 @@ class Conductor:
 
     def _hear(self, message: DiagnosticArray) -> None:
         for status in message.status:
-            self._reported[status.name] = (status.level, status.message)
+            self._reported[status.name] = status.message
 
     def _spin(self) -> None:
         self._nodes.check()

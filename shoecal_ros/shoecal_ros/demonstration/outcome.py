@@ -12,7 +12,7 @@ from shoecal_core.cli.tables import errors_table, reason_lines, stages_rows
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.calibration import load_calibration
-from shoecal_core.estimation.comparison import StanceComparison, compare, read_truths, stage_errors
+from shoecal_core.estimation.comparison import compare, read_truths, stage_errors
 from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.estimation.series import Errors, errors
 from shoecal_core.files import atomic_write, read_bytes
@@ -31,7 +31,6 @@ class DemonstrationOutcome:
     Attributes:
         session: recorded.
         outcome: of solving the recording again.
-        comparisons: of every stance with the truth.
         stages: errors by stage and set.
         modelled: errors of the model over all runs.
         truths: by run.
@@ -39,7 +38,6 @@ class DemonstrationOutcome:
 
     session: Session
     outcome: CalibrationOutcome
-    comparisons: list[StanceComparison]
     stages: dict[str, dict[str, Errors]]
     modelled: Errors
     truths: dict[int, Truth]
@@ -87,7 +85,6 @@ def evaluate(
     return DemonstrationOutcome(
         session=session,
         outcome=outcome,
-        comparisons=comparisons,
         stages=stage_errors(comparisons),
         modelled=errors([(one.modelled, one.reference) for one in comparisons]),
         truths=truths,

@@ -24,6 +24,11 @@ class ArmedInput:
 
     The middleware takes long to find out that a process was killed. So the planner repeats what it
     said while the robot is armed, and that lapses when it falls silent.
+
+    Attributes:
+        reported: whether the last word was that it may, be who said it still there or not.
+        taken_over: whether somebody else took it back, who knows of no motion that is under way.
+        disarmings: how often it was taken back: who might move before may not do so again.
     """
 
     def __init__(
@@ -32,8 +37,8 @@ class ArmedInput:
         clock: Callable[[], float] = time.monotonic,
         lease_s: float = LEASE_S,
     ) -> None:
-        self._reported = self._repeats = self._taken_over = False
-        self._disarmings = 0
+        self.reported = self._repeats = self.taken_over = False
+        self.disarmings = 0
         self._clock = clock
         self._lease_s = lease_s
         self._heard_at = 0.0
@@ -42,37 +47,22 @@ class ArmedInput:
     @property
     def armed(self) -> bool:
         """Whether the robot may be moved at this moment."""
-        return self._reported and not self.lapsed
-
-    @property
-    def reported(self) -> bool:
-        """Whether the last word was that it may, be who said it still there or not."""
-        return self._reported
+        return self.reported and not self.lapsed
 
     @property
     def lapsed(self) -> bool:
         """Whether who armed the robot is gone: left, or fallen silent after repeating it."""
-        if not self._reported:
+        if not self.reported:
             return False
         silent = self._repeats and self._clock() - self._heard_at > self._lease_s
         return silent or self._subscription.get_publisher_count() == 0
 
-    @property
-    def taken_over(self) -> bool:
-        """Whether somebody else took it back, who knows of no motion that is under way."""
-        return self._taken_over
-
-    @property
-    def disarmings(self) -> int:
-        """How often it was taken back: who was allowed to move before is not allowed again."""
-        return self._disarmings
-
     def _hear(self, messages: list[Any]) -> None:
         for message in messages:
-            self._disarmings += self._reported and not message.data
+            self.disarmings += self.reported and not message.data
             now = self._clock()
             quiet = self._repeats and now - self._heard_at > QUIET_S
-            self._taken_over = not message.data and (quiet or self._taken_over)
-            self._repeats = message.data and (self._reported or self._repeats)
-            self._reported = message.data
+            self.taken_over = not message.data and (quiet or self.taken_over)
+            self._repeats = message.data and (self.reported or self._repeats)
+            self.reported = message.data
             self._heard_at = now

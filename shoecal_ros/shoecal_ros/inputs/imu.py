@@ -41,11 +41,6 @@ class ImuInput:
         self.heard = ArrivalMonitor(clock)
         self._stamp_ns = 0
 
-    @property
-    def age_s(self) -> float:
-        """Wall-clock time since something usable has come; infinite before [s]."""
-        return self.heard.age_s
-
     def take(self, messages: Sequence[Any]) -> None:
         """Take sensor_msgs/Imu messages in order; those without a direction do not count."""
         for message in messages:

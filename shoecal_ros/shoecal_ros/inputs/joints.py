@@ -82,14 +82,9 @@ class JointInput:
         self._asked_s = -math.inf
 
     @property
-    def age_s(self) -> float:
-        """Wall-clock time since usable angles have come; infinite before [s]."""
-        return self.heard.age_s
-
-    @property
     def fresh(self) -> bool:
         """Whether usable angles have come lately enough to go on."""
-        return self.age_s <= self._stale_s and not self._contradicted
+        return self.heard.age_s <= self._stale_s and not self._contradicted
 
     @property
     def silent(self) -> bool:
@@ -108,7 +103,7 @@ class JointInput:
         if self.latest is None:
             reported = "no joint angles yet; start the robot's driver (joint_states)"
             return Problem(Code.NO_JOINTS, reported)
-        reported = f"no joint angles for {self.age_s:.0f} s; check the robot's driver"
+        reported = f"no joint angles for {self.heard.age_s:.0f} s; check the robot's driver"
         return Problem(Code.JOINTS_STALE, reported)
 
     def refuse(self, problem: Problem) -> None:

@@ -46,7 +46,7 @@ class OneClock:
         latest, stamp_ns = self._joints.latest, self._voltages.latest_ns
         if latest is None or stamp_ns is None:
             return None
-        if max(self._joints.age_s, self._voltages.age_s) > TOGETHER_S:
+        if max(self._joints.heard.age_s, self._voltages.heard.age_s) > TOGETHER_S:
             # What comes seldom is compared now and then; a silence is nothing that was compared.
             if self._joints.heard.silent or self._voltages.heard.silent:
                 self._apart_since = math.inf

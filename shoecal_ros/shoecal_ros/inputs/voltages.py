@@ -74,14 +74,9 @@ class VoltageInput:
         return self._lost.sources
 
     @property
-    def age_s(self) -> float:
-        """Wall-clock time since readings have come; infinite before [s]."""
-        return self.heard.age_s
-
-    @property
     def fresh(self) -> bool:
         """Whether all channels have come lately enough to go on, in whatever state."""
-        return self.age_s <= self._stale_s
+        return self.heard.age_s <= self._stale_s
 
     @property
     def problem(self) -> Problem | None:
@@ -92,7 +87,7 @@ class VoltageInput:
         if not self.fresh:
             if self.latest is None:
                 return Problem(Code.NO_VOLTAGES, "no voltages yet; start shoe_driver")
-            reported = f"no voltages for {self.age_s:.0f} s; check shoe_driver and its device"
+            reported = f"no voltages for {self.heard.age_s:.0f} s; check shoe_driver and its device"
             return Problem(Code.VOLTAGES_STALE, reported)
         missing = self._joiner.missing
         if missing and now - self._began > REMEMBER_S:

@@ -136,7 +136,7 @@ class ControllerAdapter(Adapter):
             return None
         measured = latest.angles[0]
         # Back to where they were when last reported, no faster than they went on meanwhile.
-        command = hold(self.robot, measured, STOP_TIME_S + self.joints.age_s)
+        command = hold(self.robot, measured, STOP_TIME_S + self.joints.heard.age_s)
         return trajectory_to_ros(self._with_others(command, measured))
 
     def _with_others(self, trajectory: JointTrajectory, measured: FloatArray) -> JointTrajectory:

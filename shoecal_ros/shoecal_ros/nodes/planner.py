@@ -20,7 +20,7 @@ from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_ros.common import qos
-from shoecal_ros.common.actions import finish
+from shoecal_ros.common.actions import answered
 from shoecal_ros.common.codes import Code, Problem
 from shoecal_ros.common.conversions import trajectory_to_ros
 from shoecal_ros.common.health import Condition, Level
@@ -100,7 +100,7 @@ class PlannerNode(ShoecalNode):
             ShoeVoltages, "shoe/voltages", shoes.take_readings, qos.NEWEST, raw=True
         )
         states = self.subscribe(ShoeState, "shoe/state", shoes.take_states, qos.LATCHED)
-        return Senses(imu, shoes, temperatures)
+        return Senses(imu, shoes, temperatures, self.kinematics, self.moving)
 
     def command(self, trajectory: JointTrajectory) -> None:
         """Send a trajectory to the robot, to be followed from now on."""
@@ -122,7 +122,7 @@ class PlannerNode(ShoecalNode):
         self._report_planning()
         latest = self.joints.latest
         angles = None if latest is None else latest.angles[0]
-        reported = watched(self.senses, self.kinematics, self.moving, angles)
+        reported = watched(self.senses, angles)
         for subject, condition in reported.items():
             self.health.note(subject, condition)
         if self.moving.steps:
@@ -181,7 +181,8 @@ class PlannerNode(ShoecalNode):
 
     async def _carry_out(self, goal: ServerGoalHandle, job: PlanJob | ReachJob, result: R) -> R:
         """One at a time; how it ended is in the result."""
-        try:
+
+        async def do() -> str:
             if self._busy:
                 raise RefusedError(result.BUSY, "another motion is under way; wait or cancel it")
             self._busy, self._execution = True, job.execution
@@ -194,14 +195,9 @@ class PlannerNode(ShoecalNode):
             finally:
                 self._busy = False
                 job.execution.halt()
-        except RefusedError as refusal:
-            result.error_code, result.message = refusal.code, str(refusal)
-        else:
-            degc = self.senses.temperatures.degc
-            result.success = True
-            result.message = f"done; {heat.margin(degc, self.moving.hot_degc)}"
-        finish(goal, result, canceled=result.CANCELED)
-        return result
+            return f"done; {heat.margin(self.senses.temperatures.degc, self.moving.hot_degc)}"
+
+        return await answered(goal, result, do)
 
 
 def main() -> None:

@@ -28,7 +28,7 @@ from shoecal_core.simulation.robot import RobotFellError, SimulatedRobot
 from shoecal_core.simulation.sampled_robot import draw
 from shoecal_core.workspace import config_dir
 from shoecal_ros.common import qos
-from shoecal_ros.common.actions import FEEDBACK_S, finish
+from shoecal_ros.common.actions import FEEDBACK_S, answered
 from shoecal_ros.common.codes import Code
 from shoecal_ros.common.conversions import (
     support_from_ros,
@@ -226,11 +226,10 @@ class SimulatorNode(ShoecalNode):
 
     async def _execute(self, goal: ServerGoalHandle) -> ReachSupport.Result:
         result = ReachSupport.Result()
-        try:
+
+        async def do() -> str:
             if self._reaching:
-                raise RefusedError(
-                    ReachSupport.Result.FAILED, "another support is being reached; wait for it"
-                )
+                raise RefusedError(result.FAILED, "another support is being reached; wait for it")
             self._reaching = True
             try:
                 with (
@@ -240,12 +239,9 @@ class SimulatorNode(ShoecalNode):
                     await self._reach(goal)
             finally:
                 self._reaching = False
-        except RefusedError as refusal:
-            result.error_code, result.message = refusal.code, str(refusal)
-        else:
-            result.success, result.message = True, "standing still"
-        finish(goal, result, canceled=ReachSupport.Result.CANCELED)
-        return result
+            return "standing still"
+
+        return await answered(goal, result, do)
 
     async def _reach(self, goal: ServerGoalHandle) -> None:
         """Place the robot in the support and let it settle."""

@@ -29,7 +29,7 @@ from shoecal_ros.inputs.joints import JointBatch
 from shoecal_ros.planner.following import Follower, FollowingError, FollowingState
 from shoecal_ros.planner.order import Mover, Order
 from shoecal_ros.planner.part import StreamedPart
-from shoecal_ros.planner.watch import MotionWatch, hot, unwatched
+from shoecal_ros.planner.watch import MotionWatch
 
 FloatArray = NDArray[np.float64]
 R = TypeVar("R")
@@ -93,11 +93,8 @@ class Execution:
         listeners.look()
         if listeners.missing:
             raise RefusedError(Plan.Result.NOT_FOLLOWED, f"not begun: {listeners.missing}")
-        moving = self._mover.moving
-        mover = self._mover
-        reason = hot(mover.senses, moving.hot_degc - moving.cool_by) or unwatched(
-            mover.senses, mover.kinematics, moving, self.measured()
-        )
+        moving, senses = self._mover.moving, self._mover.senses
+        reason = senses.hot(moving.hot_degc - moving.cool_by) or senses.unwatched(self.measured())
         if reason is not None:
             raise RefusedError(reason.code, f"not begun: {reason.message}")
 
@@ -175,13 +172,8 @@ class Execution:
         follower = Follower(planned, int(seen.stamp_ns[0]), moving.follow_error, moving.follow_late)
         part = StreamedPart(motion, follower, seen)
         if self._watch is None:
-            self._watch = MotionWatch(
-                self._mover.senses,
-                self._mover.kinematics,
-                moving,
-                seen.angles[0],
-                motion.phases[0].support_phase,
-            )
+            phase = motion.phases[0].support_phase
+            self._watch = MotionWatch(self._mover.senses, seen.angles[0], phase)
         self._watch.begin(motion)
         # The recorder starts before the motion does.
         self._order.feed("moving", 0.0, 0)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Mapping
 from functools import partial
 
@@ -12,7 +11,7 @@ from shoecal_msgs.action import Plan, ReachSupport
 from shoecal_core.errors import ShoecalError
 from shoecal_core.planning.steps import StepError, require_steps_left
 from shoecal_core.robot.double_support import DoubleSupport
-from shoecal_ros.common.actions import FEEDBACK_S
+from shoecal_ros.common.actions import Pacing
 from shoecal_ros.common.conversions import support_from_ros
 from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.planner import planning_work
@@ -48,7 +47,7 @@ class ReachJob:
         self._mover = mover
         self._goal = goal
         self._done = 0
-        self._fed = 0.0
+        self._pacing = Pacing()
         order = Order(True, lambda: bool(goal.is_cancel_requested), self._feed)
         self.execution = Execution(mover, order)
 
@@ -92,9 +91,6 @@ class ReachJob:
     def _feed(self, phase: str, progress: float, landmark: int) -> None:
         """The number of steps is not known before: each counts half of what is left."""
         del landmark
-        now = time.monotonic()
-        if now - self._fed < FEEDBACK_S:
-            return
-        self._fed = now
-        steps = self._done + (progress if phase == "moving" else 0.0)
-        self._goal.publish_feedback(ReachSupport.Feedback(progress=1.0 - 0.5**steps))
+        if self._pacing.due(phase):
+            steps = self._done + (progress if phase == "moving" else 0.0)
+            self._goal.publish_feedback(ReachSupport.Feedback(progress=1.0 - 0.5**steps))

@@ -28,16 +28,24 @@ COOL = "let its motors cool down, the robot sitting or held"
 
 @dataclass(frozen=True)
 class Senses:
-    """What is received of a robot in addition to its joint angles; each of them may be missing."""
+    """What is received of a robot in addition to its joint angles; each of them may be missing.
+
+    Attributes:
+        imu, shoes, temperatures: what is heard.
+        kinematics: of the robot.
+        settings: bounds.
+    """
 
     imu: ImuInput
     shoes: ShoeReports
     temperatures: TemperatureInput
+    kinematics: Kinematics
+    settings: MovingSettings
 
     @property
     def ages(self) -> dict[str, float]:
         """By quick source, since when it has sent nothing; infinite where it never did [s]."""
-        return {"imu": self.imu.age_s, **self.shoes.ages}
+        return {"imu": self.imu.heard.age_s, **self.shoes.ages}
 
     @property
     def motor_ages(self) -> dict[str, float]:
@@ -46,6 +54,41 @@ class Senses:
             f"the temperature of '{joint}'": age for joint, age in self.temperatures.ages.items()
         }
 
+    def tilt(
+        self, joint_angles: FloatArray, support_phase: SupportPhase = SupportPhase.BOTH
+    ) -> Tilt | None:
+        """How the torso leans at joint angles (m,) [rad], feet flat; None where unknown."""
+        up = self.imu.up
+        if up is None or self.imu.heard.age_s > self.settings.stale_s:
+            return None
+        body = self.kinematics.states(joint_angles[None])
+        return Tilt(up, upward(body, support_phase.standing))
+
+    def unwatched(self, joint_angles: FloatArray) -> StopReason | None:
+        """What would watch a motion and must, but does not come by now; (m,) joint angles [rad]."""
+        settings, tilt = self.settings, self.tilt(joint_angles)
+        if settings.tilt_required and (tilt is None or not tilt.usable):
+            what = "nothing comes from imu" if tilt is None else "imu contradicts the joint angles"
+            return StopReason(
+                Plan.Result.SENSORS_STALE,
+                f"{what}, so a fall would not be seen; start its driver, or set tilt_required to "
+                "false",
+            )
+        if settings.load_required and self.shoes.heard.age_s > settings.stale_s:
+            return StopReason(
+                Plan.Result.SENSORS_STALE,
+                "nothing comes from shoe/voltages, so lost load would not be seen; start "
+                "shoe_driver, or set load_required to false",
+            )
+        return None
+
+    def hot(self, limit: float) -> StopReason | None:
+        """Motors at a limit or beyond [degC]."""
+        problem = too_hot(self.temperatures.degc, limit)
+        if not problem:
+            return None
+        return StopReason(Plan.Result.HOT_JOINTS, f"{problem}; {COOL}", can_wait=True)
+
 
 class MotionWatch:
     """Watches a motion, in one part or several, by what was there when it began."""
@@ -53,8 +96,6 @@ class MotionWatch:
     def __init__(
         self,
         senses: Senses,
-        kinematics: Kinematics,
-        settings: MovingSettings,
         joint_angles: FloatArray,
         support_phase: SupportPhase = SupportPhase.BOTH,
     ) -> None:
@@ -62,25 +103,22 @@ class MotionWatch:
 
         Args:
             senses: what is heard.
-            kinematics: of the robot.
-            settings: bounds.
             joint_angles: (m,) measured [rad].
             support_phase: the feet that stand.
         """
-        self._senses = senses
-        self._kinematics = kinematics
-        self._settings = settings
+        self._senses, self._settings = senses, senses.settings
+        settings = senses.settings
         self._silence = Silence(senses.ages, settings.stale_s)
         self._motor_silence = Silence(senses.motor_ages, settings.heat_stale_s)
         self._phases: tuple[Phase, ...] = ()
         self._load: LoadWatch | None = None
-        tilt = tilt_now(senses, kinematics, settings, joint_angles, support_phase)
+        tilt = senses.tilt(joint_angles, support_phase)
         self._tilt = tilt if tilt is not None and tilt.usable else None
 
     def begin(self, motion: Motion) -> None:
         """A part of the motion is sent now."""
         self._phases = motion.phases
-        needed = needed_loads(motion, self._kinematics)
+        needed = needed_loads(motion, self._senses.kinematics)
         settings = self._settings
         self._load = LoadWatch(
             motion.time, needed, settings.load_needed, settings.follow_late, settings.load_lost_s
@@ -113,14 +151,14 @@ class MotionWatch:
             self._tilted(elapsed, joint_angles)
             or self._load_lost(elapsed)
             or self._silent()
-            or hot(self._senses, self._settings.hot_degc)
+            or self._senses.hot(self._settings.hot_degc)
         )
 
     def _tilted(self, elapsed: float, joint_angles: FloatArray) -> StopReason | None:
         up = self._senses.imu.up
         if self._tilt is None or up is None:
             return None
-        body = self._kinematics.states(joint_angles[None])
+        body = self._senses.kinematics.states(joint_angles[None])
         meant = upward(body, self.support_phase(elapsed).standing)
         error, bound = self._tilt.error(up, meant), self._settings.tilt_error
         if error <= bound:
@@ -150,48 +188,6 @@ class MotionWatch:
             f"nothing comes any more from {gone}; check the driver and its cable",
             can_wait=True,
         )
-
-
-def tilt_now(
-    senses: Senses,
-    kinematics: Kinematics,
-    settings: MovingSettings,
-    joint_angles: FloatArray,
-    support_phase: SupportPhase = SupportPhase.BOTH,
-) -> Tilt | None:
-    """How the torso leans at joint angles (m,) [rad], feet flat; None where unknown."""
-    up = senses.imu.up
-    if up is None or senses.imu.age_s > settings.stale_s:
-        return None
-    return Tilt(up, upward(kinematics.states(joint_angles[None]), support_phase.standing))
-
-
-def unwatched(
-    senses: Senses, kinematics: Kinematics, settings: MovingSettings, joint_angles: FloatArray
-) -> StopReason | None:
-    """What would watch a motion and must, but does not come by now; (m,) joint angles [rad]."""
-    tilt = tilt_now(senses, kinematics, settings, joint_angles)
-    if settings.tilt_required and (tilt is None or not tilt.usable):
-        what = "nothing comes from imu" if tilt is None else "imu contradicts the joint angles"
-        return StopReason(
-            Plan.Result.SENSORS_STALE,
-            f"{what}, so a fall would not be seen; start its driver, or set tilt_required to false",
-        )
-    if settings.load_required and senses.shoes.heard.age_s > settings.stale_s:
-        return StopReason(
-            Plan.Result.SENSORS_STALE,
-            "nothing comes from shoe/voltages, so lost load would not be seen; start shoe_driver, "
-            "or set load_required to false",
-        )
-    return None
-
-
-def hot(senses: Senses, limit: float) -> StopReason | None:
-    """Motors at a limit or beyond [degC]."""
-    problem = too_hot(senses.temperatures.degc, limit)
-    return (
-        StopReason(Plan.Result.HOT_JOINTS, f"{problem}; {COOL}", can_wait=True) if problem else None
-    )
 
 
 def needed_loads(motion: Motion, kinematics: Kinematics) -> FloatArray:

@@ -7,57 +7,41 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.robot.kinematics import Kinematics
 from shoecal_ros.common.codes import Code
 from shoecal_ros.common.health import Condition, Level
 from shoecal_ros.planner import heat
-from shoecal_ros.planner.settings import MovingSettings
 from shoecal_ros.planner.silence import silent
-from shoecal_ros.planner.watch import Senses, hot, tilt_now
+from shoecal_ros.planner.watch import Senses
 
 FloatArray = NDArray[np.float64]
 
 
-def watched(
-    senses: Senses,
-    kinematics: Kinematics,
-    settings: MovingSettings,
-    joint_angles: FloatArray | None,
-) -> dict[str, Condition]:
+def watched(senses: Senses, joint_angles: FloatArray | None) -> dict[str, Condition]:
     """Tilt, shoes and heat; what never came is missing, what came and comes no more has failed.
 
     Args:
-        senses: what is heard.
-        kinematics: of the robot.
-        settings: how motions are watched.
+        senses: what is heard, and how motions are watched.
         joint_angles: (m,) the last ones [rad]; None before there were any.
     """
     return {
-        "tilt": _tilt(senses, kinematics, settings, joint_angles),
-        "shoes": _shoes(senses, settings),
-        "heat": _heat(senses, settings),
+        "tilt": _tilt(senses, joint_angles),
+        "shoes": _shoes(senses),
+        "heat": _heat(senses),
     }
 
 
-def _tilt(
-    senses: Senses,
-    kinematics: Kinematics,
-    settings: MovingSettings,
-    joint_angles: FloatArray | None,
-) -> Condition:
-    figures = senses.imu.heard.figures()
-    age_s = senses.imu.age_s
-    if math.isinf(age_s):
+def _tilt(senses: Senses, joint_angles: FloatArray | None) -> Condition:
+    settings, heard = senses.settings, senses.imu.heard
+    figures = heard.figures()
+    if math.isinf(heard.age_s):
         if settings.tilt_required:
             problem = "no imu: nothing moves; start its driver, or set tilt_required to false"
             return Condition(Level.WARN, problem, figures, Code.IMU_STALE)
         return Condition(Level.OK, "no imu: not watched", figures)
-    if age_s > settings.stale_s:
-        reported = f"no imu for {age_s:.0f} s: not watched; check its driver"
+    if heard.age_s > settings.stale_s:
+        reported = f"no imu for {heard.age_s:.0f} s: not watched; check its driver"
         return Condition(Level.WARN, reported, figures, Code.IMU_STALE)
-    tilt = None
-    if joint_angles is not None:
-        tilt = tilt_now(senses, kinematics, settings, joint_angles)
+    tilt = None if joint_angles is None else senses.tilt(joint_angles)
     if tilt is None:
         return Condition(Level.OK, "imu comes", figures)
     if not tilt.usable:
@@ -71,8 +55,8 @@ def _tilt(
     return Condition(Level.OK, "imu comes", {**figures, "offset_rad": f"{tilt.offset:.3f}"})
 
 
-def _shoes(senses: Senses, settings: MovingSettings) -> Condition:
-    heard = senses.shoes.heard
+def _shoes(senses: Senses) -> Condition:
+    settings, heard = senses.settings, senses.shoes.heard
     figures = heard.figures()
     if math.isinf(heard.age_s):
         if settings.load_required:
@@ -87,11 +71,12 @@ def _shoes(senses: Senses, settings: MovingSettings) -> Condition:
     return Condition(Level.OK, "shoe/voltages comes", figures)
 
 
-def _heat(senses: Senses, settings: MovingSettings) -> Condition:
+def _heat(senses: Senses) -> Condition:
+    settings = senses.settings
     degc = senses.temperatures.degc
     found = heat.hottest(degc)
     figures = {} if found is None else {"joint": found[0], "degc": f"{found[1]:.1f}"}
-    reason = hot(senses, settings.hot_degc)
+    reason = senses.hot(settings.hot_degc)
     if reason is not None:
         return Condition(Level.WARN, reason.message, figures, Code.MOTOR_HOT)
     gone = silent(senses.motor_ages, settings.heat_stale_s)

@@ -26,14 +26,12 @@ class Reading:
 
     Attributes:
         stamp_ns: host time of sampling [ns].
-        on_receipt: whether the device gave no time, so that the stamp is the receipt's.
         sequence: device counter.
         cells: names, voltages and statuses.
         temperature: [degC], NaN where there is no sensor.
     """
 
     stamp_ns: int
-    on_receipt: bool
     sequence: int
     cells: CellReadings
     temperature: float
@@ -47,9 +45,7 @@ class DriverStatus:
         source: port or log.
         clock_resets: how often device and host clock had to be matched again.
         clock_drift: seconds the host's clock gains on the device's in a second.
-        same_clock: whether device and host count one (simulated) time.
-        before_clock: frames left out because the host's clock showed zero.
-        clock_stands: whether they were just now, or the clock has shown one time for long.
+        clock_stands: whether the host's clock shows zero, or has shown one time for long.
         unknown: channels without a cell -> how often they came.
         unseen: cells that no frame has carried.
     """
@@ -57,8 +53,6 @@ class DriverStatus:
     source: SourceStatus
     clock_resets: int
     clock_drift: float
-    same_clock: bool
-    before_clock: int
     clock_stands: bool
     unknown: dict[int, int]
     unseen: tuple[str, ...]
@@ -92,7 +86,6 @@ class SerialDriver:
         """A driver of a source, open or not; takes `latency_ns` off every stamp."""
         self._source, self._channels, self._latency_ns = source, channels, latency_ns
         self._clock = DeviceClock()
-        self._before_clock = 0
         self._clock_stands = False
         self._stands_at = (0, 0)
 
@@ -123,8 +116,6 @@ class SerialDriver:
             source=self._source.status(),
             clock_resets=self._clock.resets,
             clock_drift=self._clock.drift,
-            same_clock=self._clock.same_clock,
-            before_clock=self._before_clock,
             clock_stands=self._clock_stands,
             unknown=self._channels.unknown,
             unseen=self._channels.unseen,
@@ -151,7 +142,6 @@ class SerialDriver:
         times = [frame.device_time_us for frame in frames if frame.device_time_us is not None]
         self._clock_stands = receive_ns <= 0 or self._stood_s(times, receive_ns) > STANDS_S
         if receive_ns <= 0:
-            self._before_clock += len(frames)
             return []
         if len(times) == len(frames):
             stamps = self._clock.stamps(times, receive_ns)
@@ -161,7 +151,6 @@ class SerialDriver:
         return [
             Reading(
                 stamp_ns=stamp - self._latency_ns,
-                on_receipt=frame.device_time_us is None,
                 sequence=frame.sequence,
                 cells=self._channels.readings(frame),
                 temperature=math.nan if frame.temperature is None else frame.temperature,

@@ -24,27 +24,17 @@ class ReplayError(ShoecalError):
 
 
 class PortError(ShoecalError):
-    """A port that cannot be used.
-
-    Attributes:
-        port: its name as configured.
-    """
+    """A port that cannot be used."""
 
     def __init__(self, port: str, problem: str) -> None:
-        self.port = port
         super().__init__(f"serial port {port}: {problem}")
 
 
 class PortMissingError(PortError):
-    """No such port.
-
-    Attributes:
-        available: the ports there are.
-    """
+    """No such port, of those that there are."""
 
     def __init__(self, port: str, available: Sequence[str]) -> None:
-        self.available = tuple(available)
-        listed = ", ".join(self.available) if self.available else "none"
+        listed = ", ".join(available) or "none"
         super().__init__(
             port,
             f"does not exist (there are: {listed}); plug the device in or correct 'port', "

@@ -90,7 +90,6 @@ def test_time_goes_on_evenly(boards: Boards) -> None:
         driver = open_driver(board.config(8), time.time_ns)
         readings = settled(read(driver, lambda all_: len(all_) > 60))
         driver.close()
-    assert not any(reading.on_receipt for reading in readings)
     # A busy computer may lose frames, whole ones; their numbers and times go on.
     numbers = np.array([reading.sequence for reading in readings])
     stamps = np.array([reading.stamp_ns for reading in readings]) * 1e-9

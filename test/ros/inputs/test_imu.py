@@ -38,7 +38,7 @@ def seen(turn: Rotation) -> FloatArray:
 def test_nothing_heard() -> None:
     imu = ImuInput(nao())
     assert imu.up is None
-    assert imu.age_s == np.inf
+    assert imu.heard.age_s == np.inf
 
 
 @pytest.mark.parametrize("orientation", [True, False])
@@ -46,7 +46,7 @@ def test_up_whatever_the_heading(orientation: bool) -> None:
     imu = ImuInput(nao())
     imu.take([reported(10**9, LEANING, orientation=orientation)])
     assert imu.up == pytest.approx(seen(LEANING))
-    assert imu.age_s < 1.0
+    assert imu.heard.age_s < 1.0
 
 
 def test_an_accelerometer_that_shakes_is_smoothed() -> None:
@@ -67,7 +67,7 @@ def test_a_sensor_that_tells_no_direction_is_not_heard() -> None:
     silent.orientation_covariance[0] = -1.0
     imu.take([silent, reported(10**9, LEANING, orientation=False, g=0.1)])
     assert imu.up is None
-    assert imu.age_s == np.inf
+    assert imu.heard.age_s == np.inf
 
 
 def test_a_clock_that_was_set_back_begins_anew() -> None:

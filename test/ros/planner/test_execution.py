@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import cast
 
@@ -58,6 +59,7 @@ class Scene:
 
     def __init__(self) -> None:
         clock = Clock()
+        moving = MovingSettings(tilt_required=False, load_required=False)
         self.sent: list[JointTrajectory] = []
         self.arming = Arming(10.0, clock)
         self.arming.set(True)
@@ -70,12 +72,16 @@ class Scene:
                 robot=nao(),
                 kinematics=Kinematics(nao()),
                 planning=PlannerSettings(),
-                moving=MovingSettings(tilt_required=False, load_required=False),
+                moving=moving,
                 arming=self.arming,
                 joints=self._joints,
                 listeners=self.listeners,
                 senses=Senses(
-                    ImuInput(nao(), clock), ShoeReports(clock=clock), TemperatureInput(nao(), clock)
+                    ImuInput(nao(), clock),
+                    ShoeReports(clock=clock),
+                    TemperatureInput(nao(), clock),
+                    Kinematics(nao()),
+                    moving,
                 ),
                 command=self.sent.append,
             ),
@@ -134,7 +140,8 @@ def off(way: float) -> FloatArray:
 def test_nothing_begins_that_nobody_would_watch(
     scene: Scene, required: dict[str, bool], missing: str
 ) -> None:
-    scene.mover.moving = MovingSettings(**required)
+    settings = MovingSettings(**required)
+    scene.mover.senses = replace(scene.mover.senses, settings=settings)
     with pytest.raises(RefusedError, match=f"nothing comes from {missing}.*_required") as caught:
         Execution(scene.mover, scene.order).check_ready()
     assert caught.value.code == Plan.Result.SENSORS_STALE

@@ -63,10 +63,12 @@ class Watched:
             ImuInput(nao(), self.clock),
             ShoeReports(clock=self.clock),
             TemperatureInput(nao(), self.clock),
+            KINEMATICS,
+            SETTINGS,
         )
         if not silent:
             self.tell()
-        self.watch = MotionWatch(self.senses, KINEMATICS, SETTINGS, ANGLES)
+        self.watch = MotionWatch(self.senses, ANGLES)
         self.watch.begin(motion())
 
     def tell(

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from sensor_msgs.msg import Imu, Temperature
 from shoecal_msgs.msg import ShoeVoltages
@@ -30,6 +32,8 @@ class Scene:
             ImuInput(nao(), self.clock),
             ShoeReports(clock=self.clock),
             TemperatureInput(nao(), self.clock),
+            KINEMATICS,
+            MovingSettings(),
         )
 
     def tell(self, degc: float = 40.0) -> None:
@@ -43,7 +47,7 @@ class Scene:
     def conditions(self, *, joints: bool = True, required: bool = True) -> dict[str, Condition]:
         angles = nao().posture if joints else None
         settings = MovingSettings(tilt_required=required, load_required=required)
-        return watched(self.senses, KINEMATICS, settings, angles)
+        return watched(replace(self.senses, settings=settings), angles)
 
 
 @pytest.fixture
