@@ -58,7 +58,7 @@ class SelfCalibrationServer(JobServer[CalibrationJob]):
                 job = self._begin(request, lambda _: None, None)
                 try:
                     await job.begin()
-                except RefusedError:
+                except BaseException:
                     self._end()
                     raise
         except RefusedError as refusal:

@@ -18,16 +18,21 @@ FAULTY = Path(__file__).with_name("faulty_calibrator.py")
 TOLD = "ended by a fault: ZeroDivisionError: made up, of two lines; see the node's log"
 
 
-@pytest.fixture
-def faulty(world: World) -> World:
-    """Where the node's next job of each kind fails."""
+def started(world: World, script: Path) -> World:
+    """A calibrator node that is ready for a job."""
     StandingRobot(world, DoubleSupport(0.0, -0.112, 0.0))
     folders = {name: world.folder / name for name in ("state_dir", "sessions_dir")}
-    world.start("calibrator", {**folders, "stale_s": 10.0}, script=FAULTY)
+    world.start("calibrator", {**folders, "stale_s": 10.0}, script=script)
     world.arm("calibrator")
     world.until_reported("calibrator", "voltages", "come")
     world.until_reported("calibrator", "joints", "come")
     return world
+
+
+@pytest.fixture
+def faulty(world: World) -> World:
+    """Where the node's next job of each kind fails."""
+    return started(world, FAULTY)
 
 
 def test_actions_are_answered(faulty: World) -> None:
@@ -53,6 +58,15 @@ def test_a_job_that_a_service_began_tells_it(faulty: World) -> None:
     request = SelfCalibrate.Request(supports=2, train=2, seed=1)
     assert faulty.call(SelfCalibrate, "shoe/self_calibrate", request).accepted
     faulty.until_reported("calibrator", "calibration", TOLD)
+
+
+def test_a_job_that_fails_as_it_begins_does_not_block_the_next_one(world: World) -> None:
+    started(world, FAULTY.with_name("calibrator_that_cannot_begin.py"))
+    request = SelfCalibrate.Request(supports=2, train=2, seed=1)
+    answer = world.call(SelfCalibrate, "shoe/self_calibrate", request)
+    assert not answer.accepted
+    assert TOLD in answer.message
+    assert world.call(SelfCalibrate, "shoe/self_calibrate", request).accepted
 
 
 def test_services_are_answered(faulty: World) -> None:
