@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.settings import DiagnosisSettings
-from shoecal_core.error_sources.regression import Whitening, make_sums, solve
+from shoecal_core.error_sources.posterior import Posterior
 from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.signals import AIR, CLOSURE, COP, GRF, PARITY, SIGNALS, TILT
 from shoecal_core.error_sources.spectrum import BANDS
+from shoecal_core.error_sources.whitening import Whitening, make_sums
 from shoecal_core.estimation.initial_guess import initial_guess
 from shoecal_core.samples.samples import Samples
 from shoecal_core.samples.stance import Stance
@@ -116,9 +116,8 @@ def fit_baseline(
                 np.zeros(len(prior) - 2 * channels),
             )
         )
-        products = sums.products.copy()
-        products[: len(prior), -1] += prior * away
-        step = solve(replace(sums, products=products), (), np.zeros(0)).vector
+        right = sums.products[:-1, -1] + prior * away
+        step = Posterior(sums.products[:-1, :-1], prior).solve(right)
         signal_model = signal_model.with_parameters(
             ChannelParameters(
                 signal_model.parameters.gain - step[:channels],

@@ -14,10 +14,10 @@ from shoecal_core.diagnosis.hypotheses import Catalogue
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources.noise import colour, form_error, least_noise, white_noise
 from shoecal_core.error_sources.posterior import Posterior
-from shoecal_core.error_sources.regression import Whitening
 from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.signals import AIR, CLOSURE, COP, GRF, PARITY, TILT
 from shoecal_core.error_sources.spectrum import BANDS, frequencies_of, signals_of
+from shoecal_core.error_sources.whitening import Whitening
 from shoecal_core.shoe.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]

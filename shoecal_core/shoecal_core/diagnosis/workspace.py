@@ -18,13 +18,13 @@ from shoecal_core.error_sources.as_built import as_built
 from shoecal_core.error_sources.base import Effect, Place
 from shoecal_core.error_sources.noise import jolts
 from shoecal_core.error_sources.posterior import Posterior
-from shoecal_core.error_sources.regression import (
+from shoecal_core.error_sources.signal_model import SignalModel
+from shoecal_core.error_sources.tolerances import Tolerances
+from shoecal_core.error_sources.whitening import (
     WhitenedProducts,
     Whitening,
     make_sums,
 )
-from shoecal_core.error_sources.signal_model import SignalModel
-from shoecal_core.error_sources.tolerances import Tolerances
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -12,7 +12,7 @@ from scipy.fft import idct
 from shoecal_core.diagnosis.hypotheses import Hypothesis
 from shoecal_core.diagnosis.scoring import Part, Scorer
 from shoecal_core.diagnosis.workspace import Workspace
-from shoecal_core.error_sources.regression import WhitenedProducts, make_sums
+from shoecal_core.error_sources.whitening import WhitenedProducts, make_sums
 
 FloatArray = NDArray[np.float64]
 MADE = 0.3

@@ -25,6 +25,27 @@ def test_mean_and_covariance_are_those_of_the_stacked_least_squares() -> None:
     np.testing.assert_allclose(POSTERIOR.variance, np.diag(POSTERIOR.covariance))
 
 
+@pytest.mark.parametrize("columns", [(), (0,), (1, 3)])
+def test_a_fit_is_least_squares_with_priors(columns: tuple[int, ...]) -> None:
+    """Of columns that are always there and of some others, from the products of all."""
+    rng = np.random.default_rng(1)
+    whole = rng.normal(size=(200, 8))
+    whole[:, -1] += whole[:, :-1] @ rng.normal(size=7)
+    std = np.array([0.3, 2.0, 0.1, 1.0])[list(columns)]
+    precision = np.concatenate((rng.uniform(0.1, 10.0, 3), std**-2.0))
+    chosen = [*range(3), *(3 + one for one in columns)]
+    products = whole.T @ whole
+    found = Posterior(products[np.ix_(chosen, chosen)], precision)
+    right = products[chosen, -1]
+    stacked = np.vstack((whole[:, chosen], np.diag(np.sqrt(precision))))
+    target = np.append(whole[:, -1], np.zeros(len(precision)))
+    vector = np.linalg.lstsq(stacked, target, rcond=None)[0]
+    np.testing.assert_allclose(found.solve(right), vector, rtol=1e-6)
+    np.testing.assert_allclose(found.covariance, np.linalg.inv(stacked.T @ stacked), rtol=1e-6)
+    squares = products[-1, -1] - right @ found.solve(right)
+    assert squares == pytest.approx(float(np.sum((target - stacked @ vector) ** 2)))
+
+
 def test_whitened_products_are_what_the_unknowns_take_of_the_squares() -> None:
     values = RNG.normal(size=(40, 2))
     across = POSTERIOR.whiten(ROWS.T @ values)

@@ -8,10 +8,10 @@ from scipy.signal import lfilter
 
 from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.error_sources.noise import colour
-from shoecal_core.error_sources.regression import Whitening
 from shoecal_core.error_sources.settings import SignalSettings
 from shoecal_core.error_sources.signals import CLOSURE, SIGNALS
 from shoecal_core.error_sources.spectrum import BANDS, BandTransform, frequencies_of
+from shoecal_core.error_sources.whitening import Whitening
 
 
 def test_a_transform_keeps_lengths_and_angles(workspace: Workspace) -> None:

@@ -1,8 +1,8 @@
-"""Least squares over the signals, from sums that every hypothesis shares.
+"""Whitened signals, and the sums of their products.
 
 Signals become cosine coefficients, a stance at a time (`spectrum`), each divided by the deviation
 that its signal has in its band of frequency. The sums of products of all columns are made once;
-every hypothesis, on whatever runs, is then a small system of equations.
+every hypothesis, on whatever runs, is then a small system of equations for `Posterior`.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.error_sources.posterior import Posterior
 from shoecal_core.error_sources.spectrum import BandTransform
 from shoecal_core.samples.samples import Samples
 
@@ -79,34 +78,3 @@ def make_sums(
     kept = whitening.kept[part]
     flat = whitened[:, part][:, kept]
     return WhitenedProducts(flat @ flat.T, len(baseline), precision)
-
-
-@dataclass(frozen=True)
-class RegressionSolution:
-    """A fit of the baseline and some more columns.
-
-    Attributes:
-        vector: (p + k,) what the columns are to be taken times to give the residuals.
-        covariance: (p + k, p + k) under unit noise.
-        squares: weighted sum of squares left, priors included.
-    """
-
-    vector: FloatArray
-    covariance: FloatArray
-    squares: float
-
-
-def solve(sums: WhitenedProducts, columns: Sequence[int], std: FloatArray) -> RegressionSolution:
-    """Least squares with priors.
-
-    Args:
-        columns: of hypotheses, counted from the first of them.
-        std: (k,) prior standard deviation of each.
-    """
-    chosen = np.concatenate((np.arange(sums.base), sums.base + np.asarray(columns, dtype=np.int64)))
-    precision = np.concatenate((sums.precision, 1.0 / std**2))
-    right = sums.products[chosen, -1]
-    posterior = Posterior(sums.products[np.ix_(chosen, chosen)], precision)
-    vector = posterior.solve(right)
-    squares = float(sums.products[-1, -1] - right @ vector)
-    return RegressionSolution(vector, posterior.covariance, squares)
