@@ -9,9 +9,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.hidden import hidden_cop
+from shoecal_core.diagnosis.hypotheses import Form
+from shoecal_core.diagnosis.prediction import log_predictive
 from shoecal_core.diagnosis.result import Candidate, Cause, Verdict
 from shoecal_core.diagnosis.scoring import Scored
-from shoecal_core.diagnosis.selection import TAKEN_FROM, Selection, taken
+from shoecal_core.diagnosis.selection import (
+    LOG_ELSE,
+    Selection,
+    added_evidence,
+    company,
+    taken,
+    without,
+)
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.shrink import excess, gap, judged, shrink
 from shoecal_core.diagnosis.sizes import sizes
@@ -65,7 +74,7 @@ def answer(
         ranking = (*ambiguity, *ranking)
     verdict: Verdict = "ambiguous" if len(ambiguity) > 1 else "explained"
     if found.chosen is not None:
-        left = _partly(workspace, found.chosen)
+        left = _partly(workspace, found.chosen, settings)
     else:
         left = _gapes(workspace, evident=found.other >= needed(settings))
     if left:
@@ -76,51 +85,60 @@ def answer(
 def borne_out(
     workspace: Workspace, found: Selection, settings: DiagnosisSettings
 ) -> tuple[Selection, tuple[str, ...]]:
-    """Without causes that runs left out do not bear out: there is no gap, or it does not go.
+    """Without causes that runs left out do not bear out, or in whose place there may be nothing.
 
-    What happened once, in a run that was fitted, others can say nothing about. Where the first one
-    is, a robot as built has to be improbable enough; where a further one is, it has to be likely
-    that anything is there at all.
+    Where the first one is, a robot as built has to be improbable enough; where a further one is,
+    it has to be likely that anything is there at all.
 
     Returns:
         What stays, and in words what went.
     """
-    if found.chosen is None:
+    chosen = found.chosen
+    if chosen is None:
         return found, ()
-    found = _probable(found, settings)
-    if found.chosen is None or not workspace.test:
-        return found, ()
-    reasons = []
-    for index in reversed(range(len(found.chosen.parts))):
-        chosen = found.chosen
-        assert chosen is not None, "the part at hand is left"
-        hypothesis, form = chosen.parts[index]
-        if form.shape.run is not None:
-            continue
-        there, shown, added = taken(workspace, chosen, index, workspace.test)
-        left = found.without(index)
-        if there <= 0.0:
-            found, why = left, "on test runs there is no gap that it could explain"
-        elif shown < TAKEN_FROM * added:
+    found = replace(
+        found, predicted=tuple(_predicted(workspace, found, at) for at in range(len(chosen.parts)))
+    )
+    for index, (hypothesis, form) in reversed(list(enumerate(chosen.parts))):
+        there = sum(one.probability for one in probabilities(found, index))
+        other = found.other
+        if _judged_by_others(workspace, form) and not _confirmed(workspace, found, index, settings):
             # Not that, but something: a robot as built is as improbable as before.
-            found = replace(left, other=max(left.other, chosen.evidence))
-            why = f"explains training runs, but takes {max(shown, 0.0) / there:.0%} of the gap on "
-            why += "test runs away"
+            other = max(other, chosen.evidence)
+            why = "explains training runs, but test runs are not predicted better with it"
+        elif there < (LIKELY if index else 1.0 - settings.false_alarms):
+            why = f"with {1.0 - there:.0%} it is an error that any robot may be built with"
         else:
             continue
-        reasons.append(f"{hypothesis.label}: {why}: not named")
-    return found, tuple(reasons)
+        left = replace(without(workspace, found, index), other=other)
+        left, others = borne_out(workspace, left, settings)
+        return left, (f"{hypothesis.label}: {why}: not named", *others)
+    return found, ()
 
 
-def _probable(found: Selection, settings: DiagnosisSettings) -> Selection:
-    """Without causes in whose place there may well be nothing."""
+def _judged_by_others(workspace: Workspace, form: Form) -> bool:
+    """Whether runs left out show it: what happened once, in a run that was fitted, they do not."""
+    return bool(workspace.test) and form.shape.run is None
+
+
+def _confirmed(
+    workspace: Workspace, found: Selection, index: int, settings: DiagnosisSettings
+) -> bool:
+    """Whether runs left out are clearly more probable with a cause, and their gap is smaller."""
     assert found.chosen is not None
-    for index in reversed(range(len(found.chosen.parts))):
-        there = sum(one.probability for one in probabilities(found, index))
-        if there < (LIKELY if index else 1.0 - settings.false_alarms):
-            left = found.without(index)
-            return left if left.chosen is None else _probable(left, settings)
-    return found
+    _, shown, _ = taken(workspace, found.chosen, index, workspace.test)
+    return found.predicted[index] >= needed(settings) and shown > 0.0
+
+
+def _predicted(workspace: Workspace, found: Selection, index: int) -> float:
+    """Logarithm of the probability of the runs left out with a cause, against without it."""
+    assert found.chosen is not None
+    if not _judged_by_others(workspace, found.chosen.parts[index][1]):
+        return 0.0
+    left, scorer = company(workspace, found.chosen, index), workspace.scorer
+    others = (left,) if left is not None else (scorer.nothing, scorer.other)
+    least = max(log_predictive(workspace.withheld, one) for one in others)
+    return log_predictive(workspace.withheld, found.chosen) - least
 
 
 def causes_of(workspace: Workspace, found: Selection) -> list[Cause]:
@@ -136,17 +154,23 @@ def causes_of(workspace: Workspace, found: Selection) -> list[Cause]:
 def probabilities(found: Selection, index: int) -> tuple[Candidate, ...]:
     """Of everything that could stand in a cause's place; what lacks is that there is none.
 
-    What a cause explains next to much stronger ones may be an error in their form.
+    What a cause explains next to much stronger ones may be an error in their form; something else
+    has none. Runs left out speak for all of them or for none.
     """
     alternatives = found.alternatives[index]
     best = max((log for _, log in alternatives), default=0.0)
-    together = found.chosen.evidence if found.chosen is not None else 0.0
+    together = _named_evidence(found.chosen) if found.chosen is not None else 0.0
     counts = temper(max(best, together))
-    each = shares([*(counts * log for _, log in alternatives), 0.0])
+    predicted = found.predicted[index] if found.predicted else 0.0
+    each = shares([*(counts * log for _, log in alternatives), -counts * predicted])
     return tuple(
         Candidate(hypothesis.effect.identifier, hypothesis.place, float(share))
         for (hypothesis, _), share in zip(alternatives, each, strict=False)
     )
+
+
+def _named_evidence(chosen: Scored) -> float:
+    return chosen.evidence - (chosen.scorer.other.evidence if chosen.other else 0.0)
 
 
 def ambiguity_set(
@@ -176,10 +200,12 @@ def _gapes(workspace: Workspace, *, evident: bool) -> bool:
     return size.cop_mae_mm > size.cop_floor_mm or size.grf_mae_n > size.grf_floor_n
 
 
-def _partly(workspace: Workspace, chosen: Scored) -> bool:
+def _partly(workspace: Workspace, chosen: Scored, settings: DiagnosisSettings) -> bool:
     """Whether something is left; what happened once, in a run that was fitted, does not count."""
     if chosen.other:
-        return True
+        alone = workspace.scorer.score(chosen.parts, start=chosen)
+        if added_evidence(chosen, alone) + LOG_ELSE >= needed(settings):
+            return True
     happened = any(form.shape.run is not None for _, form in chosen.parts)
     if happened or not _gapes(workspace, evident=True):
         return False

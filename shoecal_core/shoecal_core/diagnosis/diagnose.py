@@ -160,7 +160,7 @@ def diagnose(
         notes=(*samples.notes, *shaking(best.signal_model)),
         robot=samples.robot.name,
         shoe=samples.shoe.name,
-        evidence=evidence(best, chosen, found.singles),
+        evidence=evidence(best, chosen, [one.scored for one in found.singles]),
         dissent=(*denied, *grown),
         zeros=zeros,
         budget=budget(best, corrected_gap, chosen),

@@ -176,7 +176,12 @@ class Scorer:
     @cached_property
     def other(self) -> Scored:
         """Something else, and no effect that has a name."""
-        near = [self._fit((), self.nothing, one, ROUNDS // 2, None, True) for one in FORM_LEVELS]
+        starts = (self.nothing, self.nothing.strict)
+        near = [
+            self._fit((), start, one, ROUNDS // 2, other=True)
+            for start in starts
+            for one in FORM_LEVELS
+        ]
         found = max(self._nothing(other=True), *near, key=lambda one: one.evidence)
         return replace(found, evidence=found.evidence - self._as_built)
 
@@ -197,9 +202,8 @@ class Scorer:
         if not parts:
             return self.other if other else self.nothing
         start = start or (self.other if other else self.nothing)
-        without = (self.other if other else self.nothing).rest
         ways = [
-            self._fit(parts, one, one.form_level, rounds, without, other)
+            self._fit(parts, one, one.form_level, rounds, other=other)
             for one in (start, start.strict)
         ]
         found = max(ways, key=lambda one: one.evidence)
@@ -211,13 +215,13 @@ class Scorer:
         found: list[Scored] = []
         for form_level in FORM_LEVELS:
             if found:
-                found.append(self._fit((), found[-1], form_level, ROUNDS // 2, None, other))
+                found.append(self._fit((), found[-1], form_level, ROUNDS // 2, other=other))
                 continue
             raw = rows.squares(rows.residuals) / rows.count
             usual = rows.noise + rows.smooth + form_level**2 * rows.form
             variance = np.maximum(usual, LEAST_SHARE * raw)
             levels = np.minimum(np.full(len(rows.most_level), FIRST_LEVEL), rows.most_level)
-            found.append(self._fit((), (variance, levels), form_level, ROUNDS, None, other))
+            found.append(self._fit((), (variance, levels), form_level, ROUNDS, other=other))
         return max(found, key=lambda one: one.evidence)
 
     def weighted(self, variance: FloatArray, levels: FloatArray) -> _Weighted:
@@ -233,14 +237,13 @@ class Scorer:
         start: Scored | tuple[FloatArray, FloatArray],
         form_level: float,
         rounds: int,
-        without: FloatArray | None,
+        *,
         other: bool,
     ) -> Scored:
         """Fit, find the variances, fit again; levels follow from what was found.
 
         Args:
             start: a fit to start with, or variances (G,) and levels (F,).
-            without: (R,) what was left without the parts.
         """
         rows = self.rows
         chosen = [column for _, form in parts for column in form.columns]
@@ -260,9 +263,11 @@ class Scorer:
             across, left = weighted.eliminate(values)
             inner = Posterior(left[:count, :count], std**-2.0)
             sizes = inner.solve(left[:count, count])
-            vector = weighted.posterior.unwhiten(across[:, count] - across[:, :count] @ sizes)
-            rest = rows.residuals - rows.base @ vector - columns @ sizes
-            own = 0.0 if without is None else rows.squares(without - rest) / rows.count
+            absorbed = weighted.posterior.unwhiten(across[:, :count] @ sizes)
+            vector = weighted.posterior.unwhiten(across[:, count]) - absorbed
+            added = columns @ sizes
+            rest = rows.residuals - rows.base @ vector - added
+            own = rows.squares(added - rows.base @ absorbed) / rows.count
             known = rows.noise + form_level**2 * rows.form
             power = rows.squares(rest) / rows.scales(vector + rows.away, self.channels) ** 2
             lacking = rows.smooth + FORM**2 * own
@@ -313,24 +318,14 @@ class Scorer:
                 wanted = known[here] + usual**2 * lacking[here]
                 if one > 1.0:
                     wanted = wanted + one**2 * rows.smooth[here]
-                found, likely = self._most_probable(power[here], wanted, here)
+                found, likely = most_probable(
+                    power[here], wanted, rows.count[here], rows.most[here]
+                )
                 likely -= share * (ELSE_COST if one > 1.0 else 0.5 * math.log(one) ** 2)
                 if float(likely.sum()) > best:
                     best = float(likely.sum())
                     variance[here], level[here], log_likelihood[here] = found, usual, likely
         return variance, known + level**2 * lacking, level, log_likelihood
-
-    def _most_probable(
-        self, power: FloatArray, expected: FloatArray, here: BoolArray | slice = slice(None)
-    ) -> tuple[FloatArray, FloatArray]:
-        count, most = COUNTS * self.rows.count[here], self.rows.most[here]
-        power = COUNTS * power
-        free = (FREEDOM * expected + power) / (FREEDOM + count)
-        variance = np.clip(free, expected, expected + most)
-        ratio = variance / expected
-        likely = -0.5 * count * np.log(variance) - 0.5 * power / variance
-        likely -= 0.5 * FREEDOM * (np.log(ratio) + 1.0 / ratio - 1.0)
-        return variance, likely
 
     def _levels(self, weighted: _Weighted, vector: FloatArray) -> FloatArray:
         """(F,) most probable levels of as-built errors, by those that the signals determine.
@@ -417,3 +412,21 @@ def _level_cost(levels: FloatArray, form_level: float) -> float:
     ratio = levels / LEVEL
     cost = 0.5 * LEVEL_FREEDOM * float((2.0 * np.log(ratio) + ratio**-2.0 - 1.0).sum())
     return cost + 0.5 * math.log(form_level) ** 2
+
+
+def most_probable(
+    power: FloatArray, expected: FloatArray, count: FloatArray, most: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """(G,) variances that groups most probably have, and their log likelihoods.
+
+    Args:
+        power: (G,) sums of squares. expected: (G,) variance. count: (G,) rows.
+        most: (G,) by which the variance may be more.
+    """
+    count, power = COUNTS * count, COUNTS * power
+    free = (FREEDOM * expected + power) / (FREEDOM + count)
+    variance = np.clip(free, expected, expected + most)
+    ratio = variance / expected
+    likely = -0.5 * count * np.log(variance) - 0.5 * power / variance
+    likely -= 0.5 * FREEDOM * (np.log(ratio) + 1.0 / ratio - 1.0)
+    return variance, likely

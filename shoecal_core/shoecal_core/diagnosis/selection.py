@@ -39,9 +39,9 @@ class Judged:
 
     Attributes:
         scored: the company with it, in the more probable of both ways.
-        log: logarithm of its probability against the company alone, its prior included; where
-            something else is there as well, against the company with that.
-        before: that company.
+        log: logarithm of its probability against the company alone, its prior included.
+        before: that company; without any a robot as built or something else, whichever is the more
+            probable.
     """
 
     scored: Scored
@@ -65,28 +65,21 @@ class Selection:
         singles: every hypothesis by itself, the most probable first.
         other: logarithm of the probability that something moves CoP or GRF that was not chosen,
             against a robot as built.
+        predicted: for each cause, logarithm of the probability of the runs left out against having
+            none there; empty as long as they have not been looked at.
     """
 
     chosen: Scored | None
     alternatives: tuple[tuple[tuple[Hypothesis, float], ...], ...]
-    singles: tuple[Scored, ...]
+    singles: tuple[Judged, ...]
     other: float
+    predicted: tuple[float, ...] = ()
 
     def stands(self, scorer: Scorer, settings: DiagnosisSettings) -> Scored:
         """What is most probable: the causes, something else, or a robot as built."""
         if self.chosen is not None:
             return self.chosen
         return scorer.other if self.other >= needed(settings) else scorer.nothing
-
-    def without(self, index: int) -> Selection:
-        """Without one of the causes that were chosen."""
-        assert self.chosen is not None
-        parts = [part for at, part in enumerate(self.chosen.parts) if at != index]
-        alternatives = [one for at, one in enumerate(self.alternatives) if at != index]
-        if not parts:
-            return replace(self, chosen=None)
-        scored = self.chosen.scorer.score(parts, other=self.chosen.other, start=self.chosen)
-        return replace(self, chosen=scored, alternatives=tuple(alternatives))
 
 
 def select(workspace: Workspace, settings: DiagnosisSettings) -> Selection:
@@ -148,6 +141,24 @@ def explains(workspace: Workspace, one: Judged) -> bool:
     return any((over - left)[here].sum() >= TAKEN_FROM * over[here].sum() for here in judged_by)
 
 
+def without(workspace: Workspace, found: Selection, index: int) -> Selection:
+    """Without one of the causes that were chosen."""
+    assert found.chosen is not None
+    left = company(workspace, found.chosen, index)
+    alternatives = _alternatives(workspace, left, found.singles)
+    return replace(found, chosen=left, alternatives=alternatives, predicted=())
+
+
+def company(workspace: Workspace, chosen: Scored, index: int) -> Scored | None:
+    """All parts but one; None where none is left."""
+    others = [part for at, part in enumerate(chosen.parts) if at != index]
+    if not others:
+        return None
+    near = workspace.scorer.score(others, other=chosen.other, start=chosen)
+    ways = (near if near.sensible else None, _best_way(workspace, others, None))
+    return max((way for way in ways if way is not None), key=value, default=None)
+
+
 def taken(
     workspace: Workspace, scored: Scored, index: int, runs: Sequence[int]
 ) -> tuple[float, float, float]:
@@ -169,7 +180,7 @@ def _found(workspace: Workspace, chosen: Scored | None, singles: Sequence[Judged
     return Selection(
         chosen,
         _alternatives(workspace, chosen, singles),
-        tuple(one.scored for one in singles),
+        tuple(singles),
         added_evidence(scorer.other, scorer.nothing) + LOG_ELSE,
     )
 
@@ -188,6 +199,7 @@ def judged(
         each: places of one effect at most.
     """
     scorer = workspace.scorer
+    before = company or max((scorer.nothing, scorer.other), key=value)
     taken = {one.effect.identifier for one, _ in company.parts} if company is not None else set()
     # What an effect leaves of itself at another place is no second one.
     others = [one for one in workspace.catalogue.hypotheses if one.effect.identifier not in taken]
@@ -207,9 +219,8 @@ def judged(
         ways = [_best_way(workspace, (*kept, part), company) for part in forms]
         scored = max((way for way in ways if way is not None), key=value, default=None)
         if scored is not None:
-            before = company or (scorer.other if scored.other else scorer.nothing)
-            log = value(scored) - value(before)
-            found.append(Judged(scored, log + math.log(hypothesis.prior), before))
+            log = value(scored) - value(before) + math.log(hypothesis.prior)
+            found.append(Judged(scored, log, before))
     found.sort(key=lambda one: one.log, reverse=True)
     return found
 
@@ -261,8 +272,7 @@ def _best_way(workspace: Workspace, parts: Sequence[Part], company: Scored | Non
 def _pruned(workspace: Workspace, chosen: Scored, settings: DiagnosisSettings) -> Scored:
     """Without parts that the others make superfluous."""
     for index in range(len(chosen.parts)) if len(chosen.parts) > 1 else ():
-        others = [part for at, part in enumerate(chosen.parts) if at != index]
-        left = _best_way(workspace, others, None)
+        left = company(workspace, chosen, index)
         if left is not None and value(chosen) - value(left) < needed(settings):
             return _pruned(workspace, left, settings)
     return chosen
@@ -275,7 +285,6 @@ def _alternatives(
         return (tuple((one.part[0], one.log) for one in singles),) if singles else ()
     found = []
     for index in range(len(chosen.parts)):
-        others = [part for at, part in enumerate(chosen.parts) if at != index]
-        rivals = judged(workspace, _best_way(workspace, others, None))
+        rivals = judged(workspace, company(workspace, chosen, index))
         found.append(tuple((one.part[0], one.log) for one in rivals))
     return tuple(found)

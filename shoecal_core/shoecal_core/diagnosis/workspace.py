@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.baseline import coarse_noise, fit_baseline
 from shoecal_core.diagnosis.hypotheses import Catalogue, make_catalogue
-from shoecal_core.diagnosis.rows import make_rows
+from shoecal_core.diagnosis.rows import Rows, make_rows
 from shoecal_core.diagnosis.scoring import Scored, Scorer
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources.as_built import as_built
@@ -44,6 +44,7 @@ class Workspace:
         whitening: by that noise.
         sums: of the training runs.
         scorer: of the training runs.
+        withheld: the runs left out, laid out as those that are scored.
         train, test: numbers of the runs.
         tolerances: of the robot's errors as built.
         built: the fit by which the robot's errors as built are as large as they are.
@@ -55,6 +56,7 @@ class Workspace:
     whitening: Whitening
     sums: WhitenedProducts
     scorer: Scorer
+    withheld: Rows
     train: tuple[int, ...]
     test: tuple[int, ...]
     tolerances: Tolerances
@@ -187,6 +189,7 @@ def make_workspace(
         whitening,
         sums,
         scorer,
+        make_rows(signal_model, catalogue, test, coarse, settings, guess),
         tuple(train),
         tuple(test),
         tolerances,

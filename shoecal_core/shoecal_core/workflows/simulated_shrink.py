@@ -72,13 +72,11 @@ class Difference:
 
     Attributes:
         voltage, grf, cop: mean absolute error, the CoP's a distance [the shoe's unit, N, m].
-        square: mean square of GRF and CoP, each in the settings' standard deviations.
     """
 
     voltage: float
     grf: float
     cop: float
-    square: float
 
 
 def with_simulated_shrink(diagnosis: Diagnosis, session: Session) -> Diagnosis:
@@ -160,10 +158,12 @@ def _shrink(diagnosis: Diagnosis, causes: Sequence[Cause], session: Session) -> 
         for parameters, items in worlds
         for number, run in recorded.items()
     ]
-    found = _differences(jobs, recorded, session.shoe, settings)
+    found = _differences(jobs, recorded, session.shoe)
     before, after = _mean(found[: len(recorded)]), _mean(found[len(recorded) :])
     return SimulatedShrink(
-        fraction=1.0 - after.square / before.square if before.square > 0.0 else 0.0,
+        fraction=_removed(
+            _square(before.grf, before.cop, settings), _square(after.grf, after.cop, settings)
+        ),
         claimed=_claimed(diagnosis.evidence, settings),
         cop_mae_mm=(1e3 * before.cop, 1e3 * after.cop),
         grf_mae_n=(before.grf, after.grf),
@@ -172,7 +172,7 @@ def _shrink(diagnosis: Diagnosis, causes: Sequence[Cause], session: Session) -> 
 
 
 def _claimed(evidence: Evidence | None, settings: CalibrationSettings) -> float:
-    """What the diagnosis says of the mean square on the test runs."""
+    """What the diagnosis says of the same on the test runs."""
     if evidence is None or evidence.explained is None:
         return 0.0
     column = [evidence.signals.index(name) for name in JUDGED]
@@ -180,8 +180,9 @@ def _claimed(evidence: Evidence | None, settings: CalibrationSettings) -> float:
     for fitted in (evidence.without, evidence.explained):
         rest = fitted.residuals[evidence.test][:, column]
         rest = rest[np.isfinite(rest).all(axis=1)]
-        squares.append(_square(rest[:, 0], np.linalg.norm(rest[:, 1:], axis=1), settings))
-    return 1.0 - squares[1] / squares[0] if squares[0] > 0.0 else 0.0
+        grf, place = np.abs(rest[:, 0]).mean(), np.linalg.norm(rest[:, 1:], axis=1).mean()
+        squares.append(_square(float(grf), float(place), settings))
+    return _removed(*squares)
 
 
 def _law(shoe: Shoe, stances: Sequence[Stance], settings: CalibrationSettings) -> ChannelParameters:
@@ -210,14 +211,13 @@ def _differences(
     jobs: Sequence[ReplayJob],
     recorded: dict[int, Run],
     shoe: Shoe,
-    settings: CalibrationSettings,
 ) -> list[Difference]:
     if multiprocessing.parent_process() is None:
         replayed = dict(over_cores(replay_job, jobs))
     else:  # one of many sessions: the cores are in use already
         replayed = {number: replay_job(job) for number, job in enumerate(jobs)}
     return [
-        _difference(replayed[number], recorded[job.run], shoe, job.parameters, settings)
+        _difference(replayed[number], recorded[job.run], shoe, job.parameters)
         for number, job in enumerate(jobs)
     ]
 
@@ -227,7 +227,6 @@ def _difference(
     run: Run,
     shoe: Shoe,
     parameters: ChannelParameters,
-    settings: CalibrationSettings,
 ) -> Difference:
     recorded = np.stack(
         [np.interp(replayed.time, run.readings.time, one) for one in run.readings.value.T], axis=1
@@ -247,20 +246,20 @@ def _difference(
     )
     loaded = np.isfinite(place).all(axis=1)
     length = np.linalg.norm(place[loaded], axis=1)
-    return Difference(
-        float(np.abs(off).mean()),
-        float(np.abs(grf).mean()),
-        float(length.mean()),
-        _square(grf, length, settings),
-    )
+    return Difference(float(np.abs(off).mean()), float(np.abs(grf).mean()), float(length.mean()))
 
 
-def _square(grf: FloatArray, cop_off: FloatArray, settings: CalibrationSettings) -> float:
-    """Mean square of errors of GRF (k,) and CoP (m,), each in standard deviations."""
-    return 0.5 * (
-        float((grf**2).mean()) / settings.force_std_n**2
-        + float((cop_off**2).mean()) / settings.cop_std_m**2
-    )
+def _square(grf: float, cop_off: float, settings: CalibrationSettings) -> float:
+    """Of mean errors of GRF [N] and CoP [m], in standard deviations.
+
+    Means of sizes, not of squares: moments in which a foot lands a little earlier or later than
+    in the recording would outweigh all others.
+    """
+    return (grf / settings.force_std_n) ** 2 + (cop_off / settings.cop_std_m) ** 2
+
+
+def _removed(before: float, after: float) -> float:
+    return 1.0 - after / before if before > 0.0 else 0.0
 
 
 def _shown(off: FloatArray, shoe: Shoe, parameters: ChannelParameters) -> FloatArray:
@@ -287,5 +286,5 @@ def _felt(
 
 
 def _mean(differences: Sequence[Difference]) -> Difference:
-    rows = [[one.voltage, one.grf, one.cop, one.square] for one in differences]
+    rows = [[one.voltage, one.grf, one.cop] for one in differences]
     return Difference(*np.mean(rows, axis=0).tolist())

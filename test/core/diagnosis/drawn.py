@@ -88,12 +88,19 @@ class Urn:
         products[:-1, -1] = products[-1, :-1] = self.whitened @ own
         products[-1, -1] = own @ own
         old = workspace.scorer
-        told = workspace.whitening.spectrum(residuals)[self.kept]
-        rows = replace(old.rows, residuals=told, away=np.zeros_like(old.rows.away))
-        scorer = Scorer(rows, old.channels)
+        told = workspace.whitening.spectrum(residuals)
+        none = np.zeros_like(old.rows.away)
+        others = workspace.whitening.kept & workspace.rows_of(workspace.test)[:, None]
+        scorer = Scorer(replace(old.rows, residuals=told[self.kept], away=none), old.channels)
+        withheld = replace(workspace.withheld, residuals=told[others], away=none)
         sums = replace(workspace.sums, products=products)
         return replace(
-            workspace, signal_model=signal_model, sums=sums, scorer=scorer, built=scorer.nothing
+            workspace,
+            signal_model=signal_model,
+            sums=sums,
+            scorer=scorer,
+            withheld=withheld,
+            built=scorer.nothing,
         )
 
 

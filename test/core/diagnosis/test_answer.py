@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -20,7 +21,7 @@ from shoecal_core.diagnosis.result import Candidate
 from shoecal_core.diagnosis.scoring import Part
 from shoecal_core.diagnosis.selection import Selection
 from shoecal_core.diagnosis.settings import DiagnosisSettings
-from shoecal_core.diagnosis.tempering import temper
+from shoecal_core.diagnosis.tempering import needed, temper
 from shoecal_core.diagnosis.workspace import Workspace
 
 SETTINGS = DiagnosisSettings()
@@ -67,22 +68,51 @@ def test_what_explains_a_gap_is_its_cause(urn: Urn) -> None:
     assert other.verdict == "partly_explained"
 
 
-def test_what_test_runs_contradict_is_not_named(urn: Urn) -> None:
+def test_what_test_runs_do_not_confirm_is_not_named(urn: Urn) -> None:
     drawn = urn.draw(np.random.default_rng(5), TILT)
-    found = found_in(drawn, "floor_tilt")
-    assert borne_out(drawn, found, SETTINGS) == (found, ())
+    kept, words = borne_out(drawn, found_in(drawn, "floor_tilt"), SETTINGS)
+    assert kept.chosen is not None
+    assert words == ()
+    assert kept.predicted[0] > needed(SETTINGS)
     left, words = borne_out(drawn, found_in(drawn, "link_com (Neck_link)"), SETTINGS)
     assert left.chosen is None
     assert words[0].startswith("link_com (Neck_link): ")
-    assert words[0].endswith(": not named")
+    assert words[0].endswith("test runs are not predicted better with it: not named")
+    # Test runs without the tilt that the others had.
+    own = drawn.signal_model.residuals.copy()
+    calm = urn.draw(np.random.default_rng(5)).signal_model.residuals
+    own[drawn.rows_of(drawn.test)] = calm[drawn.rows_of(drawn.test)]
+    other = urn.showing(own)
+    left, words = borne_out(other, found_in(other, "floor_tilt"), SETTINGS)
+    assert left.chosen is None
+    assert len(words) == 1
 
 
-def test_what_a_robot_as_built_could_be_lowers_every_probability(urn: Urn) -> None:
+def test_what_a_robot_as_built_may_have_is_not_named(urn: Urn) -> None:
+    """However well it predicts: a run that was fitted is not predicted at all."""
+    drawn = urn.draw(np.random.default_rng(5), TILT)
+    hypothesis, form = part(drawn, "floor_tilt")
+    once = replace(form, shape=replace(form.shape, run=drawn.train[0]))
+    chosen = drawn.scorer.score([(hypothesis, once)])
+    found = Selection(chosen, (((hypothesis, -1.0),),), (), -3.0)
+    left, words = borne_out(drawn, found, SETTINGS)
+    assert left.chosen is None
+    assert "any robot may be built with" in words[0]
+    sure = replace(found, alternatives=(((hypothesis, SURE),),))
+    kept, words = borne_out(drawn, sure, SETTINGS)
+    assert kept.chosen is chosen
+    assert kept.predicted == (0.0,)
+    assert words == ()
+
+
+@pytest.mark.parametrize("predicted", [0.0, 6.0, -6.0])
+def test_what_may_not_be_there_lowers_every_probability(urn: Urn, predicted: float) -> None:
+    """Runs left out speak for all of them or for none."""
     labels = ("floor_tilt", "latency (left)", "low_pass (left)")
     found = found_in(urn.workspace, *labels, evidence=(30.0, 30.0, 10.0))
-    told = probabilities(found, 0)
+    told = probabilities(replace(found, predicted=(predicted,)), 0)
     counts = temper(30.0)
-    weights = np.exp(counts * np.array([30.0, 30.0, 10.0, 0.0]))
+    weights = np.exp(counts * np.array([30.0, 30.0, 10.0, -predicted]))
     wanted = (weights / weights.sum())[:3]
     np.testing.assert_allclose([one.probability for one in told], wanted)
 

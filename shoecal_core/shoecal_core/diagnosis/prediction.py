@@ -1,0 +1,49 @@
+"""How well runs that were left out are predicted, by an explanation and without it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.diagnosis.rows import Rows
+from shoecal_core.diagnosis.scoring import COUNTS, Scored, most_probable
+from shoecal_core.error_sources.posterior import Posterior
+
+FloatArray = NDArray[np.float64]
+ROUNDS = 6
+
+
+def log_predictive(rows: Rows, scored: Scored) -> float:
+    """Logarithm of the probability of runs left out, under what was fitted to others.
+
+    Gains, offsets, errors as built and sizes have the distribution that the fit left them; bands
+    have the variance that it expected, known to a factor as there (`scoring`).
+
+    Args:
+        rows: of the runs left out, about the same gains and offsets as those of the fit.
+        scored: the fit.
+
+    Returns:
+        Up to a constant that is the same for all fits.
+    """
+    whole = np.column_stack((rows.base, rows.columns[:, list(scored.columns)]))
+    values, vectors = np.linalg.eigh(scored.covariance)
+    base = whole @ (vectors * np.sqrt(np.maximum(values, 0.0)))
+    residuals = rows.residuals - whole @ scored.vector
+    expected = _expected(rows, scored)
+    variance, log = expected, 0.0
+    for _ in range(ROUNDS):
+        weight = (COUNTS / variance)[rows.group][:, None]
+        posterior = Posterior(base.T @ (weight * base), np.ones(base.shape[1]))
+        moved = posterior.solve(base.T @ (weight[:, 0] * residuals))
+        power = rows.squares(residuals - base @ moved)
+        variance, likely = most_probable(power, expected, rows.count, rows.most)
+        log = float(likely.sum() - 0.5 * moved @ moved) - posterior.half_log_volume
+    return log
+
+
+def _expected(rows: Rows, scored: Scored) -> FloatArray:
+    """(G,) variance of the groups; of those that the fit had none of, as usual."""
+    usual = dict(zip(rows.number, rows.noise + rows.smooth + rows.form, strict=True))
+    fitted = dict(zip(scored.scorer.rows.number, scored.expected, strict=True))
+    return np.array([fitted.get(number, usual[number]) for number in rows.number])

@@ -1,0 +1,68 @@
+"""Predictions of runs left out against Gaussian densities of whole vectors, and by their truth."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.linalg import cho_factor, cho_solve
+from scipy.stats import multivariate_normal
+
+from core.diagnosis.drawn import Urn, part
+from core.diagnosis.test_scoring import ROWS, STD, possible, rows
+from shoecal_core.diagnosis.prediction import ROUNDS, log_predictive
+from shoecal_core.diagnosis.scoring import COUNTS, Scorer, most_probable
+
+SIZE = np.array([0.0, 0.3, -0.4, 0.0])
+
+
+@pytest.mark.parametrize("noise", [0.5, 1.0, 3.0])
+def test_a_prediction_is_the_density_of_all_rows(noise: float) -> None:
+    """Up to a constant, under the variances that the rows most probably have."""
+    scorer = Scorer(rows(1, size=SIZE), 0)
+    one = possible((1, 2), STD)
+    others = rows(2, noise, size=SIZE)
+    found = []
+    for parts in ([], [(one, one.forms[0])]):
+        scored = scorer.score(parts)
+        matrix = np.column_stack((others.base, others.columns[:, list(scored.columns)]))
+        rest = others.residuals - matrix @ scored.vector
+        expected = scored.expected
+        spread = matrix @ scored.covariance @ matrix.T
+        # Rows vary by what is not known of them: the fixed point of their variances.
+        variance = expected
+        for _ in range(2 * ROUNDS):
+            whole = np.diag(variance[others.group] / COUNTS) + spread
+            moved = spread @ cho_solve(cho_factor(whole), rest)
+            power = others.squares(rest - moved)
+            variance, likely = most_probable(power, expected, others.count, others.most)
+        density = multivariate_normal(np.zeros(ROWS), whole).logpdf(rest)
+        each = (COUNTS / variance)[others.group]
+        alone = -0.5 * float((each * (rest - moved) ** 2).sum())
+        alone += 0.5 * float(np.log(each / (2.0 * np.pi)).sum())
+        # What the density has beyond the rows' own, added to what the rows are worth.
+        wanted = float(likely.sum()) + density - alone
+        found.append((log_predictive(others, scored), wanted))
+    for told, wanted in found:
+        assert told == pytest.approx(wanted, abs=0.05)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_what_is_true_predicts_runs_left_out(urn: Urn, seed: int) -> None:
+    drawn = urn.draw(np.random.default_rng(seed), {"floor_tilt": [0.06, 0.05]})
+    scorer = drawn.scorer
+    told = {
+        label: log_predictive(drawn.withheld, scorer.score([part(drawn, label)]))
+        for label in ("floor_tilt", "latency (left)", "hysteresis (right)")
+    }
+    least = log_predictive(drawn.withheld, scorer.nothing)
+    assert told.pop("floor_tilt") > least + 3.0
+    assert max(told.values()) < least + 3.0
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_of_noise_nothing_predicts_more(urn: Urn, seed: int) -> None:
+    drawn = urn.draw(np.random.default_rng(100 + seed))
+    least = log_predictive(drawn.withheld, drawn.scorer.nothing)
+    for label in ("floor_tilt", "latency (left)", "link_com (Neck_link)"):
+        scored = drawn.scorer.score([part(drawn, label)])
+        assert log_predictive(drawn.withheld, scored) < least + 3.0
