@@ -91,14 +91,12 @@ class SimulatedShrink:
     """The same between the recording and a simulated robot that has the effect.
 
     Attributes:
-        fraction: of the difference of CoP and GRF, together.
-        claimed: what the model of the diagnosis removes of the same.
+        fraction: of the squares of the mean errors of CoP and GRF, together.
         cop_mae_mm, grf_mae_n: before and after [mm, N].
         voltage_mae: before and after, in the shoe's unit.
     """
 
     fraction: float
-    claimed: float
     cop_mae_mm: tuple[float, float]
     grf_mae_n: tuple[float, float]
     voltage_mae: tuple[float, float]

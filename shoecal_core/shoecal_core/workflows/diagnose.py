@@ -6,7 +6,6 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from shoecal_core.diagnosis.diagnose import diagnose
-from shoecal_core.diagnosis.dissent import after_replay
 from shoecal_core.diagnosis.result import Diagnosis
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources.base import Effect
@@ -146,8 +145,6 @@ def do(job: DiagnosisJob, progress: Progress = no_progress) -> Diagnosed:
 
         progress("simulating what was found", SIMULATED_FROM)
         found = with_simulated_shrink(found, session)
-        if not job.only:
-            found = after_replay(found)
     if job.report is not None:
         # Matplotlib takes a second to load, which most calls need not wait for.
         from shoecal_core.report.diagnosis_report import write_diagnosis_report  # noqa: PLC0415
