@@ -100,34 +100,26 @@ def borne_out(
         found, predicted=tuple(_predicted(workspace, found, at) for at in range(len(chosen.parts)))
     )
     for index, (hypothesis, form) in reversed(list(enumerate(chosen.parts))):
-        there = sum(one.probability for one in probabilities(found, index))
-        other = found.other
-        if _judged_by_others(workspace, form) and not _confirmed(workspace, found, index, settings):
-            # Not that, but something: a robot as built is as improbable as before.
-            other = max(other, chosen.evidence)
-            why = "explains training runs, but test runs are not predicted better with it"
-        elif there < (LIKELY if index else 1.0 - settings.false_alarms):
-            why = f"with {1.0 - there:.0%} it is an error that any robot may be built with"
-        else:
-            continue
-        left = replace(without(workspace, found, index), other=other)
-        left, others = borne_out(workspace, left, settings)
-        return left, (f"{hypothesis.label}: {why}: not named", *others)
+        probable = sum(one.probability for one in probabilities(found, index))
+        why, other = "", found.other
+        if probable < (LIKELY if index else 1.0 - settings.false_alarms):
+            why = f"with {1.0 - probable:.0%} it is an error that any robot may be built with"
+        if _judged_by_others(workspace, form):
+            there, shown, _ = taken(workspace, chosen, index, workspace.test)
+            if min(there, shown) <= 0.0 or found.predicted[index] < needed(settings):
+                why = "explains training runs, but test runs do not confirm it"
+                # Not that, but something: a robot as built is as improbable as before.
+                other = max(other, chosen.evidence) if there > 0.0 else other
+        if why:
+            left = replace(without(workspace, found, index), other=other)
+            left, others = borne_out(workspace, left, settings)
+            return left, (f"{hypothesis.label}: {why}: not named", *others)
     return found, ()
 
 
 def _judged_by_others(workspace: Workspace, form: Form) -> bool:
     """Whether runs left out show it: what happened once, in a run that was fitted, they do not."""
     return bool(workspace.test) and form.shape.run is None
-
-
-def _confirmed(
-    workspace: Workspace, found: Selection, index: int, settings: DiagnosisSettings
-) -> bool:
-    """Whether runs left out are clearly more probable with a cause, and their gap is smaller."""
-    assert found.chosen is not None
-    _, shown, _ = taken(workspace, found.chosen, index, workspace.test)
-    return found.predicted[index] >= needed(settings) and shown > 0.0
 
 
 def _predicted(workspace: Workspace, found: Selection, index: int) -> float:

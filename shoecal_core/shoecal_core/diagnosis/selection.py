@@ -126,19 +126,21 @@ def _first(
 def explains(workspace: Workspace, one: Judged) -> bool:
     """Whether a good part of what is off goes with it, in CoP and GRF or in all signals.
 
-    What happened in one run has to take the gap of that run away.
+    Of what happened in one run, CoP and GRF of that run count.
     """
     after, before = one.scored, one.before
-    run = one.part[1].shape.run
-    if run is not None:
-        there, shown, added = taken(workspace, after, len(after.parts) - 1, (run,))
-        return shown >= TAKEN_FROM * max(added, there)
     rows = after.scorer.rows
     over, left = (
         rows.squares(each.rest) / before.expected - rows.count for each in (before, after)
     )
-    judged_by = (np.isin(rows.signal, np.r_[GRF, COP]), np.ones(len(over), dtype=bool))
-    return any((over - left)[here].sum() >= TAKEN_FROM * over[here].sum() for here in judged_by)
+    if (over - left).sum() >= TAKEN_FROM * over.sum():
+        return True
+    run = one.part[1].shape.run
+    if run is not None:
+        there, shown, added = taken(workspace, after, len(after.parts) - 1, (run,))
+        return shown >= TAKEN_FROM * max(added, there)
+    here = np.isin(rows.signal, np.r_[GRF, COP])
+    return bool((over - left)[here].sum() >= TAKEN_FROM * over[here].sum())
 
 
 def without(workspace: Workspace, found: Selection, index: int) -> Selection:

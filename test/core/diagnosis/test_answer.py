@@ -77,7 +77,7 @@ def test_what_test_runs_do_not_confirm_is_not_named(urn: Urn) -> None:
     left, words = borne_out(drawn, found_in(drawn, "link_com (Neck_link)"), SETTINGS)
     assert left.chosen is None
     assert words[0].startswith("link_com (Neck_link): ")
-    assert words[0].endswith("test runs are not predicted better with it: not named")
+    assert words[0].endswith("test runs do not confirm it: not named")
     # Test runs without the tilt that the others had.
     own = drawn.signal_model.residuals.copy()
     calm = urn.draw(np.random.default_rng(5)).signal_model.residuals
