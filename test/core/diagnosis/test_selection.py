@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from core.diagnosis.drawn import Urn, part, remade
-from shoecal_core.diagnosis.selection import Selection, material, select
+from shoecal_core.diagnosis.selection import Selection, explains, judged, material, select
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.tempering import needed
 from shoecal_core.diagnosis.workspace import Workspace
-from shoecal_core.error_sources.signals import COP
+from shoecal_core.error_sources.signals import CLOSURE, COP
 
 SETTINGS = DiagnosisSettings()
 TRUTHS: dict[str, Sequence[float]] = {
@@ -119,3 +119,15 @@ def test_what_is_sure_but_too_small_to_matter_is_left_out(urn: Urn) -> None:
     drawn = urn.draw(np.random.default_rng(5), {"floor_tilt": [0.01, 0.006]})
     strict = replace(SETTINGS, material_m=1.0)
     assert select(drawn, strict).chosen is None
+
+
+def test_a_slip_that_only_the_legs_show_is_explained(urn: Urn) -> None:
+    _, form = part(urn.workspace, "slip (left)")
+    columns = urn.workspace.catalogue.columns[list(form.columns)]
+    slipped = np.zeros_like(columns[0])
+    slipped[:, CLOSURE] = 0.01 * columns[0][:, CLOSURE]
+    healthy = urn.draw(np.random.default_rng(7)).signal_model.residuals
+    drawn = urn.showing(healthy + slipped)
+    found = {one.part[0].label: one for one in judged(drawn, None)}
+    assert found["slip (left)"].log > needed(SETTINGS)
+    assert explains(drawn, found["slip (left)"])
