@@ -17,7 +17,7 @@ from shoecal_core.diagnosis.selection import (
     LOG_ELSE,
     Selection,
     added_evidence,
-    company,
+    fit_without,
     taken,
     without,
 )
@@ -127,7 +127,7 @@ def _predicted(workspace: Workspace, found: Selection, index: int) -> float:
     assert found.chosen is not None
     if not _judged_by_others(workspace, found.chosen.parts[index][1]):
         return 0.0
-    left, scorer = company(workspace, found.chosen, index), workspace.scorer
+    left, scorer = fit_without(workspace, found.chosen, index), workspace.scorer
     others = (left,) if left is not None else (scorer.nothing, scorer.other)
     least = max(log_predictive(workspace.withheld, one) for one in others)
     return log_predictive(workspace.withheld, found.chosen) - least

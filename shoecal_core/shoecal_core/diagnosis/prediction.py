@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 from shoecal_core.diagnosis.rows import Rows
 from shoecal_core.diagnosis.scoring import COUNTS, Scored, most_probable
 from shoecal_core.error_sources.posterior import Posterior
+from shoecal_core.error_sources.signals import SIGNALS
+from shoecal_core.error_sources.spectrum import BANDS
 
 FloatArray = NDArray[np.float64]
 ROUNDS = 6
@@ -44,6 +46,7 @@ def log_predictive(rows: Rows, scored: Scored) -> float:
 
 def _expected(rows: Rows, scored: Scored) -> FloatArray:
     """(G,) variance of the groups; of those that the fit had none of, as usual."""
-    usual = dict(zip(rows.number, rows.noise + rows.smooth + rows.form, strict=True))
-    fitted = dict(zip(scored.scorer.rows.number, scored.expected, strict=True))
-    return np.array([fitted.get(number, usual[number]) for number in rows.number])
+    missing = np.zeros((len(SIGNALS), BANDS))
+    usual = rows.by_band(rows.noise + rows.smooth + rows.form, missing)
+    expected = scored.scorer.rows.by_band(scored.expected, usual)
+    return expected.ravel()[rows.number]

@@ -37,7 +37,6 @@ from shoecal_core.error_sources.signals import AIR, GRF, PARITY
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 Part = tuple[Hypothesis, Form]
 
 COUNTS = 0.15

@@ -146,12 +146,12 @@ def explains(workspace: Workspace, one: Judged) -> bool:
 def without(workspace: Workspace, found: Selection, index: int) -> Selection:
     """Without one of the causes that were chosen."""
     assert found.chosen is not None
-    left = company(workspace, found.chosen, index)
+    left = fit_without(workspace, found.chosen, index)
     alternatives = _alternatives(workspace, left, found.singles)
     return replace(found, chosen=left, alternatives=alternatives, predicted=())
 
 
-def company(workspace: Workspace, chosen: Scored, index: int) -> Scored | None:
+def fit_without(workspace: Workspace, chosen: Scored, index: int) -> Scored | None:
     """All parts but one; None where none is left."""
     others = [part for at, part in enumerate(chosen.parts) if at != index]
     if not others:
@@ -274,7 +274,7 @@ def _best_way(workspace: Workspace, parts: Sequence[Part], company: Scored | Non
 def _pruned(workspace: Workspace, chosen: Scored, settings: DiagnosisSettings) -> Scored:
     """Without parts that the others make superfluous."""
     for index in range(len(chosen.parts)) if len(chosen.parts) > 1 else ():
-        left = company(workspace, chosen, index)
+        left = fit_without(workspace, chosen, index)
         if left is not None and value(chosen) - value(left) < needed(settings):
             return _pruned(workspace, left, settings)
     return chosen
@@ -287,6 +287,6 @@ def _alternatives(
         return (tuple((one.part[0], one.log) for one in singles),) if singles else ()
     found = []
     for index in range(len(chosen.parts)):
-        rivals = judged(workspace, company(workspace, chosen, index))
+        rivals = judged(workspace, fit_without(workspace, chosen, index))
         found.append(tuple((one.part[0], one.log) for one in rivals))
     return tuple(found)

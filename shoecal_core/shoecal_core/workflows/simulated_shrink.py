@@ -150,7 +150,6 @@ def _shrink(diagnosis: Diagnosis, causes: Sequence[Cause], session: Session) -> 
     recorded = {run: session.read(run) for run in (*train, *diagnosis.test)}
     # Time counts from the first run that was diagnosed: others may be damaged.
     start = min(session.read(number).start_ns for number in (*diagnosis.train, *diagnosis.test))
-
     worlds = ((), tuple(item for cause in causes for item in items_of(cause)))
     found = _replay(
         [
@@ -172,10 +171,9 @@ def _shrink(diagnosis: Diagnosis, causes: Sequence[Cause], session: Session) -> 
             )
         )
     before, after = differences
+    first, second = (_square(one, settings) for one in differences)
     return SimulatedShrink(
-        fraction=_removed(
-            _square(before.grf, before.cop, settings), _square(after.grf, after.cop, settings)
-        ),
+        fraction=1.0 - second / first if first > 0.0 else 0.0,
         cop_mae_mm=(1e3 * before.cop, 1e3 * after.cop),
         grf_mae_n=(before.grf, after.grf),
         voltage_mae=(before.voltage, after.voltage),
@@ -231,17 +229,13 @@ def _difference(
     )
 
 
-def _square(grf: float, cop_off: float, settings: CalibrationSettings) -> float:
-    """Of mean errors of GRF [N] and CoP [m], in standard deviations.
+def _square(mean: Difference, settings: CalibrationSettings) -> float:
+    """Of mean errors of GRF and CoP, in standard deviations.
 
     Means of sizes, not of squares: moments in which a foot lands a little earlier or later than
     in the recording would outweigh all others.
     """
-    return (grf / settings.force_std_n) ** 2 + (cop_off / settings.cop_std_m) ** 2
-
-
-def _removed(before: float, after: float) -> float:
-    return 1.0 - after / before if before > 0.0 else 0.0
+    return (mean.grf / settings.force_std_n) ** 2 + (mean.cop / settings.cop_std_m) ** 2
 
 
 def _shown(off: FloatArray, shoe: Shoe) -> FloatArray:
