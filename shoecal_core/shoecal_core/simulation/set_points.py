@@ -5,6 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
+
+# Trajectories need it; loaded at the first one it would halt a simulation that runs in real time.
+import scipy.interpolate  # noqa: F401
 from numpy.typing import NDArray
 
 from shoecal_core.robot.joint_trajectory import JointTrajectory

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+
+# Trajectories need it; loaded at the first one it would halt the node as the robot begins to move.
+import scipy.interpolate  # noqa: F401
 from numpy.typing import NDArray
 
 from shoecal_core.robot.joint_trajectory import JointTrajectory

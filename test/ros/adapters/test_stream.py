@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -25,6 +28,23 @@ UNIT = st.floats(0.0, 1.0)
 def bend(times: list[float], ways: list[float]) -> JointTrajectory:
     start = nao().posture[nao().joint(KNEE)]
     return JointTrajectory((KNEE,), np.array(times), start + np.array(ways)[:, None])
+
+
+def test_a_motion_that_begins_waits_for_no_module() -> None:
+    """A node that stood still for half a second would count as gone, and its motion be stopped."""
+    program = """
+import sys
+import numpy as np
+from shoecal_core.robot.joint_trajectory import JointTrajectory
+import shoecal_ros.adapters.stream
+before = set(sys.modules)
+JointTrajectory(("knee",), np.arange(3.0), np.zeros((3, 1))).rates(np.array(0.5))
+print(sorted(set(sys.modules) - before))
+"""
+    result = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    assert result.stdout == "[]\n"
 
 
 @st.composite

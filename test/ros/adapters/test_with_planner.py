@@ -27,7 +27,8 @@ def legs(heard: Received) -> NDArray[np.float64]:
 
 def test_a_motion_is_planned_sent_and_done(begin: Begin) -> None:
     """By nao_lola's messages; that it arrives is what the planner sees in /joint_states."""
-    world = begin("nao_lola", "nao_lola_adapter", armed_by_test=False).world
+    robot = begin("nao_lola", "nao_lola_adapter", armed_by_test=False)
+    world = robot.world
     heard = world.receive(JointState, "joint_states", qos.LIVE)
     world.start("planner", FAST)
     world.until_reported("planner", "planning", "ready")
@@ -37,7 +38,7 @@ def test_a_motion_is_planned_sent_and_done(begin: Begin) -> None:
     assert world.goal(Plan, "shoe/plan", order).result().error_code == Plan.Result.NOT_ARMED
     assert np.array_equal(legs(heard), first)
     assert world.call(SetBool, "shoe/arm", SetBool.Request(data=True)).success
-    world.until_reported("nao_lola_adapter", "robot", "armed")
+    robot.until_well("armed")
     done = world.goal(Plan, "shoe/plan", order).result()
     assert done.success, done.message
     planned = done.trajectory.points[-1].positions
