@@ -122,8 +122,7 @@ def at_least_load(shoe: Shoe, readings: FloatArray) -> BoolArray:
 def moves(shoe: Shoe, readings: FloatArray, part: IntArray, foot: int) -> bool:
     """Whether a foot's vertical force changes in some of the readings (T, n): it is not in the air.
 
-    Gears that give and soft floors make a foot that stands look lifted. False where the polarity of
-    vertical channels is not known.
+    False where the polarity of vertical channels is not known.
     """
     if not _polarity_known(shoe):
         return False

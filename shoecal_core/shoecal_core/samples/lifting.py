@@ -83,7 +83,8 @@ def lifted(states: BodyStates) -> BoolArray:
 def hanging_foot(aligned: Aligned, air: BoolArray, robot: Robot, shoe: Shoe) -> IntArray:
     """(T,) index of the foot that hangs, the one farther from the CoM; -1 where none does.
 
-    A foot that the joints lift and the load does not is neither in the air nor on the floor.
+    One whose load changes while it is as high as it gets is not in the air: gears that give and soft
+    floors make a foot that stands look lifted.
 
     Args:
         aligned: T samples.
@@ -96,9 +97,11 @@ def hanging_foot(aligned: Aligned, air: BoolArray, robot: Robot, shoe: Shoe) -> 
         for foot, one in enumerate(robot.feet)
     ]
     hanging = np.where(air, np.where(away[0] < away[1], 1, 0), -1)
+    height = height_change(aligned.states)
     for part in unchanged(hanging):
         foot = int(hanging[part[0]])
-        if foot >= 0 and moves(shoe, aligned.readings, part, foot):
+        free = part[height[part] > FREE_SHARE * height[part].max()]
+        if foot >= 0 and moves(shoe, aligned.readings, free, foot):
             hanging[part] = -1
     return hanging
 

@@ -13,7 +13,13 @@ from shoecal_core.recording.run import Run
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.samples.aligned import Aligned
-from shoecal_core.samples.lifting import LEAST_AIR_S, TRANSIT_S, UNLOADING, detect_lifted_foot
+from shoecal_core.samples.lifting import (
+    LEAST_AIR_S,
+    TRANSIT_S,
+    UNLOADING,
+    detect_lifted_foot,
+    hanging_foot,
+)
 from shoecal_core.samples.stance import Stance
 from shoecal_core.screening.extract import stances_of
 from shoecal_core.screening.faults import Fault
@@ -177,3 +183,23 @@ def test_a_foot_that_stays_down_leaves_one_stretch(whole: Recording) -> None:
     assert found is not None
     (stretch,) = found.stretches()
     assert stretch.all()
+
+
+@pytest.mark.parametrize("foot", [0, 1])
+@pytest.mark.parametrize("begins", [UP - 0.4, UP - 2.5])
+def test_joints_may_lift_a_foot_long_before_gears_that_give_let_it_go(
+    whole: Recording, foot: int, begins: float
+) -> None:
+    """Its load still changes then, but not once it is as high as it gets."""
+    one = lifting(whole, foot)
+    way = np.interp(one.time, [begins, UP + WAY_S, DOWN, DOWN + WAY_S], [0.0, HEIGHT, HEIGHT, 0.0])
+    translation = one.states.translation.copy()
+    translation[:, 2] += (way - height(one.time)) * (1.0 if foot == 1 else -1.0)
+    one = replace(one, states=replace(one.states, translation=translation))
+    air = way > 0.2 * HEIGHT
+    robot = load_robot(config_dir() / "robots" / "nao.yaml", whole.shoe)
+    assert (hanging_foot(one, air, robot, whole.shoe)[air] == foot).all()
+    pressed = one.readings.copy()
+    pressed[air] += np.sin(5.0 * one.time[air])[:, None] * np.ptp(one.readings, axis=0)
+    still = hanging_foot(replace(one, readings=pressed), air, robot, whole.shoe)
+    assert (still == -1).all()
