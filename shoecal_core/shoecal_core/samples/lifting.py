@@ -83,8 +83,8 @@ def lifted(states: BodyStates) -> BoolArray:
 def hanging_foot(aligned: Aligned, air: BoolArray, robot: Robot, shoe: Shoe) -> IntArray:
     """(T,) index of the foot that hangs, the one farther from the CoM; -1 where none does.
 
-    One whose load changes while it is as high as it gets is not in the air: gears that give and soft
-    floors make a foot that stands look lifted.
+    One whose load changes while it is highest is not in the air: gears that give and soft floors
+    make a foot that stands look lifted.
 
     Args:
         aligned: T samples.
