@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.hidden import hidden_cop
 from shoecal_core.diagnosis.hypotheses import Form
-from shoecal_core.diagnosis.prediction import log_predictive
+from shoecal_core.diagnosis.prediction import log_predictive, within_tolerance
 from shoecal_core.diagnosis.result import Candidate, Cause, Verdict
 from shoecal_core.diagnosis.scoring import Scored
 from shoecal_core.diagnosis.selection import (
@@ -129,7 +129,7 @@ def _predicted(workspace: Workspace, found: Selection, index: int) -> float:
         return 0.0
     left, scorer = fit_without(workspace, found.chosen, index), workspace.scorer
     others = (left,) if left is not None else (scorer.nothing, scorer.other)
-    least = max(log_predictive(workspace.withheld, one) for one in others)
+    least = max(log_predictive(workspace.withheld, within_tolerance(one)) for one in others)
     return log_predictive(workspace.withheld, found.chosen) - least
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,6 +15,20 @@ from shoecal_core.error_sources.spectrum import BANDS
 
 FloatArray = NDArray[np.float64]
 ROUNDS = 6
+BUILT_WITHIN = 2.0
+"""Times its tolerance that an error as built may be: what is larger is none."""
+
+
+def within_tolerance(scored: Scored) -> Scored:
+    """The same fit with errors that are no larger than a robot as built may have them.
+
+    An error as built that is the same as a fault, or nearly, would predict as well as the fault.
+    """
+    rows = scored.scorer.rows
+    most = np.where(rows.built, BUILT_WITHIN / np.sqrt(rows.prior(scored.levels)), np.inf)
+    vector = scored.vector.copy()
+    vector[: len(most)] = np.clip(vector[: len(most)], -most, most)
+    return replace(scored, vector=vector)
 
 
 def log_predictive(rows: Rows, scored: Scored) -> float:

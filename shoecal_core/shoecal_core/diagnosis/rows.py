@@ -21,17 +21,19 @@ from shoecal_core.error_sources.whitening import Whitening
 from shoecal_core.shoe.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.int64]
 
 FAMILIES = (
     ("link_com", "link_mass"),
     ("joint_offset", "joint_compliance", "backlash"),
+    ("joint_friction",),
     ("soft_ground", "support"),
     ("foot_placement", "floor_tilt"),
     ("cell_position", "plates", "crosstalk"),
     ("zero_offset",),
 )
-"""Sources that are made alike well or badly on one robot."""
+"""Sources that are made alike well or badly on one robot; others are as their tolerances say."""
 MOST_LEVEL = 2.0
 """Times that their tolerances may count at most: what is worse is a fault."""
 MOST_N, MOST_M, MOST_CLOSURE, MOST_RAD = 1.0, 0.004, 0.004, 0.02
@@ -61,7 +63,8 @@ class Rows:
         smooth: (G,) by what is not modelled: a smooth term, as large as it usually is.
         most: (G,) variance up to which a group may be more than was expected.
         precision: (p,) of the baseline's priors, at level 1.
-        family: (p,) of as-built errors; -1 for all else.
+        built: (p,) as-built errors.
+        family: (p,) of as-built errors; -1 for those of none, and for all else.
         most_level: (F,) of each family.
         same: (k,) column of the baseline that is the same error as built; -1 where there is none.
     """
@@ -78,6 +81,7 @@ class Rows:
     smooth: FloatArray
     most: FloatArray
     precision: FloatArray
+    built: BoolArray
     family: IntArray
     most_level: FloatArray
     same: IntArray
@@ -203,6 +207,7 @@ def make_rows(
         smooth=smooth,
         most=_most(signal_model)[signal] ** 2,
         precision=prior,
+        built=signal_model.built,
         family=_families(signal_model),
         most_level=np.full(len(FAMILIES), MOST_LEVEL),
         same=_same(base, columns, signal_model),
@@ -213,7 +218,7 @@ def _families(signal_model: SignalModel) -> IntArray:
     """(p,) to which of FAMILIES each column of the baseline belongs; -1 for what is no error."""
     of = {effect: at for at, effects in enumerate(FAMILIES) for effect in effects}
     found = np.full(len(signal_model.baseline), -1)
-    found[signal_model.built] = [of[one.effect] for one in signal_model.deviations]
+    found[signal_model.built] = [of.get(one.effect, -1) for one in signal_model.deviations]
     return found
 
 

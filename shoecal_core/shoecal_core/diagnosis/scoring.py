@@ -22,10 +22,11 @@ noise too, and look right for that alone (errors in variables; Fuller, Measureme
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,7 +50,8 @@ LEVEL, LEVEL_FREEDOM = 0.7, 3.0
 """Usual level of the tolerances, and by how many degrees of freedom it is known."""
 LEAST_LEVEL, FIRST_LEVEL = 0.05, 1.5
 FORM_LEVELS = (1.0, 0.5, 0.25, 0.12)
-"""Factors on the form errors of as-built sources, with a log-normal prior of unit deviation."""
+"""Of each signal, factors on what form errors of as-built sources add to it; their logarithms have
+a normal prior of unit deviation."""
 MODEL_LEVELS = (1.0, 0.5, 0.25, 0.12)
 """Of what a model lacks in a signal, over the usual; with a log-normal prior of unit deviation."""
 BODILESS = frozenset((GRF.start, *range(AIR.start, AIR.stop), *range(PARITY.start, PARITY.stop)))
@@ -71,8 +73,9 @@ class Scored:
         parts: hypotheses with the form chosen of each.
         vector: (p + k,) of the baseline and of all their columns.
         evidence: logarithm, against a robot as built.
-        levels: (F,) of the families of as-built errors. form_level: of their forms.
+        levels: (F,) of the families of as-built errors.
         variance: (G,) of the groups. expected: (G,) what it was expected to be.
+        form_level: (G,) of the forms of as-built errors, in each signal.
         model_level: (G,) of what the model lacks in each signal.
         rest: (R,) coefficients that are left.
         other: with something else as well.
@@ -84,9 +87,9 @@ class Scored:
     vector: FloatArray
     evidence: float
     levels: FloatArray
-    form_level: float
     variance: FloatArray
     expected: FloatArray
+    form_level: FloatArray
     model_level: FloatArray
     rest: FloatArray
     other: bool
@@ -159,6 +162,17 @@ class _Weighted:
         return across, values.T @ values - across.T @ across
 
 
+@dataclass(frozen=True)
+class _Spread:
+    """Of each group (G,): see `Scored`."""
+
+    variance: FloatArray
+    expected: FloatArray
+    form_level: FloatArray
+    model_level: FloatArray
+    log_likelihood: FloatArray
+
+
 class Scorer:
     """Scores explanations on the training runs.
 
@@ -176,11 +190,7 @@ class Scorer:
     def other(self) -> Scored:
         """Something else, and no effect that has a name."""
         starts = (self.nothing, self.nothing.strict)
-        near = [
-            self._fit((), start, one, ROUNDS // 2, other=True)
-            for start in starts
-            for one in FORM_LEVELS
-        ]
+        near = [self._fit((), start, ROUNDS, other=True) for start in starts]
         found = max(self._nothing(other=True), *near, key=lambda one: one.evidence)
         return replace(found, evidence=found.evidence - self._as_built)
 
@@ -201,27 +211,17 @@ class Scorer:
         if not parts:
             return self.other if other else self.nothing
         start = start or (self.other if other else self.nothing)
-        ways = [
-            self._fit(parts, one, one.form_level, rounds, other=other)
-            for one in (start, start.strict)
-        ]
+        ways = [self._fit(parts, one, rounds, other=other) for one in (start, start.strict)]
         found = max(ways, key=lambda one: one.evidence)
         cost = sum(math.log(len(hypothesis.forms)) for hypothesis, _ in parts)
         return replace(found, evidence=found.evidence - self._as_built - cost)
 
     def _nothing(self, *, other: bool) -> Scored:
         rows = self.rows
-        found: list[Scored] = []
-        for form_level in FORM_LEVELS:
-            if found:
-                found.append(self._fit((), found[-1], form_level, ROUNDS // 2, other=other))
-                continue
-            raw = rows.squares(rows.residuals) / rows.count
-            usual = rows.noise + rows.smooth + form_level**2 * rows.form
-            variance = np.maximum(usual, LEAST_SHARE * raw)
-            levels = np.minimum(np.full(len(rows.most_level), FIRST_LEVEL), rows.most_level)
-            found.append(self._fit((), (variance, levels), form_level, ROUNDS, other=other))
-        return max(found, key=lambda one: one.evidence)
+        raw = rows.squares(rows.residuals) / rows.count
+        variance = np.maximum(rows.noise + rows.smooth + rows.form, LEAST_SHARE * raw)
+        levels = np.minimum(np.full(len(rows.most_level), FIRST_LEVEL), rows.most_level)
+        return self._fit((), (variance, levels), ROUNDS, other=other)
 
     def weighted(self, variance: FloatArray, levels: FloatArray) -> _Weighted:
         """The baseline under variances (G,), with as-built errors at levels (F,)."""
@@ -234,7 +234,6 @@ class Scorer:
         self,
         parts: Sequence[Part],
         start: Scored | tuple[FloatArray, FloatArray],
-        form_level: float,
         rounds: int,
         *,
         other: bool,
@@ -267,17 +266,17 @@ class Scorer:
             added = columns @ sizes
             rest = rows.residuals - rows.base @ vector - added
             own = rows.squares(added - rows.base @ absorbed) / rows.count
-            known = rows.noise + form_level**2 * rows.form
             power = rows.squares(rest) / rows.scales(vector + rows.away, self.channels) ** 2
-            lacking = rows.smooth + FORM**2 * own
-            variance, expected, model_level, likely = self._variance(power, known, lacking, other)
+            spread = self._spread(power, rows.smooth + FORM**2 * own, other=other)
             prior = 0.5 * float((vector**2 * weighted.posterior.precision).sum())
             prior += 0.5 * float(((sizes / std) ** 2).sum())
             volume = weighted.posterior.half_log_volume + inner.half_log_volume
-            evidence = float(likely.sum()) - prior - volume - _level_cost(levels, form_level)
+            likely = float(spread.log_likelihood.sum())
             found = Scored(
-                self, tuple(parts), np.concatenate((vector, sizes)), evidence, levels, form_level,
-                variance, expected, model_level, rest, other, likely,
+                self, tuple(parts), np.concatenate((vector, sizes)),
+                likely - prior - volume - _level_cost(levels), levels, spread.variance,
+                spread.expected, spread.form_level, spread.model_level, rest, other,
+                spread.log_likelihood,
             )  # fmt: skip
         assert found is not None
         return replace(found, vector=self._whole(chosen) @ found.vector)
@@ -291,40 +290,40 @@ class Scorer:
                 found[at, same], found[same, same] = 1.0, 0.0
         return found
 
-    def _variance(
-        self, power: FloatArray, known: FloatArray, lacking: FloatArray, other: bool
-    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """What each group (G,) most probably has, for sums of squares (G,).
+    def _spread(self, power: FloatArray, lacking: FloatArray, *, other: bool) -> _Spread:
+        """What each group most probably has, for sums of squares (G,).
 
-        Of every signal the model lacks as much as it usually does; where no body is in the model,
-        perhaps less; where something else is there, perhaps more.
+        Of every signal forms are as far off as they usually are or less, and the model lacks as
+        much as it usually does; where no body is in the model, perhaps less; where something else
+        is there, perhaps more.
 
         Args:
-            known: variance that any session has. lacking: that the model usually lacks.
-
-        Returns:
-            Variances, what was expected of them, levels, and log likelihoods.
+            lacking: (G,) variance that the model usually lacks.
+            other: whether something else is there.
         """
         rows = self.rows
-        variance, level, log_likelihood = (np.empty_like(power) for _ in range(3))
+        found = _Spread(*(np.empty_like(power) for _ in range(5)))
         for signal in np.unique(rows.signal):
             here = rows.signal == signal
-            share = 1.0 / np.count_nonzero(here)
-            best = -np.inf
-            levels = MODEL_LEVELS if signal in BODILESS else MODEL_LEVELS[:1]
-            for one in (*levels, *(ELSE_LEVELS if other else ())):
-                usual = min(one, 1.0)
-                wanted = known[here] + usual**2 * lacking[here]
-                if one > 1.0:
-                    wanted = wanted + one**2 * rows.smooth[here]
-                found, likely = most_probable(
-                    power[here], wanted, rows.count[here], rows.most[here]
-                )
-                likely -= share * (ELSE_COST if one > 1.0 else 0.5 * math.log(one) ** 2)
-                if float(likely.sum()) > best:
-                    best = float(likely.sum())
-                    variance[here], level[here], log_likelihood[here] = found, usual, likely
-        return variance, known + level**2 * lacking, level, log_likelihood
+            models = MODEL_LEVELS if signal in BODILESS else MODEL_LEVELS[:1]
+            form, model = _grid(models, ELSE_LEVELS if other else ())
+            usual = np.minimum(model, 1.0)
+            expected = rows.noise[here] + form**2 * rows.form[here] + usual**2 * lacking[here]
+            more = np.where(model > 1.0, model, 0.0)
+            variance, likely = most_probable(
+                power[here],
+                expected + more**2 * rows.smooth[here],
+                rows.count[here],
+                rows.most[here],
+            )
+            cost = np.where(model > 1.0, ELSE_COST, 0.5 * np.log(usual) ** 2)
+            cost = cost + 0.5 * np.log(form) ** 2
+            likely = likely - cost / np.count_nonzero(here)
+            best = int(np.argmax(likely.sum(axis=1)))
+            found.variance[here], found.expected[here] = variance[best], expected[best]
+            found.form_level[here], found.model_level[here] = form[best], usual[best]
+            found.log_likelihood[here] = likely[best]
+        return found
 
     def _levels(self, weighted: _Weighted, vector: FloatArray) -> FloatArray:
         """(F,) most probable levels of as-built errors, by those that the signals determine.
@@ -406,20 +405,26 @@ def _gain(left: FloatArray, form: Form) -> tuple[float, FloatArray]:
     return 0.5 * float(left[own, -1] @ sizes) - inner.half_log_volume, sizes
 
 
-def _level_cost(levels: FloatArray, form_level: float) -> float:
+def _level_cost(levels: FloatArray) -> float:
     """Logarithm of what the priors of the levels cost."""
     ratio = levels / LEVEL
-    cost = 0.5 * LEVEL_FREEDOM * float((2.0 * np.log(ratio) + ratio**-2.0 - 1.0).sum())
-    return cost + 0.5 * math.log(form_level) ** 2
+    return 0.5 * LEVEL_FREEDOM * float((2.0 * np.log(ratio) + ratio**-2.0 - 1.0).sum())
+
+
+@cache
+def _grid(models: Sequence[float], others: Sequence[float]) -> tuple[FloatArray, FloatArray]:
+    """(L, 1) each, of all pairs: levels of forms, and of what the model lacks."""
+    pairs = np.array(list(itertools.product(FORM_LEVELS, (*models, *others))))
+    return pairs[:, :1], pairs[:, 1:]
 
 
 def most_probable(
     power: FloatArray, expected: FloatArray, count: FloatArray, most: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """(G,) variances that groups most probably have, and their log likelihoods.
+    """(..., G) variances that groups most probably have, and their log likelihoods.
 
     Args:
-        power: (G,) sums of squares. expected: (G,) variance. count: (G,) rows.
+        power: (G,) sums of squares. expected: (..., G) variance. count: (G,) rows.
         most: (G,) by which the variance may be more.
     """
     count, power = COUNTS * count, COUNTS * power

@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.hypotheses import Hypothesis
-from shoecal_core.diagnosis.scoring import Part, Scored, Scorer
+from shoecal_core.diagnosis.rows import Rows
+from shoecal_core.diagnosis.scoring import COUNTS, Part, Scored, Scorer
 from shoecal_core.diagnosis.settings import ARM_M, DiagnosisSettings
 from shoecal_core.diagnosis.shrink import excess, squares
 from shoecal_core.diagnosis.tempering import needed
@@ -126,14 +127,17 @@ def _first(
 def explains(workspace: Workspace, one: Judged) -> bool:
     """Whether a good part of what is off goes with it, in CoP and GRF or in all signals.
 
-    Of what happened in one run, CoP and GRF of that run count.
+    In all signals, errors as built that are larger than usual are off as well. Of what happened in
+    one run, CoP and GRF of that run count.
     """
     after, before = one.scored, one.before
     rows = after.scorer.rows
     over, left = (
         rows.squares(each.rest) / before.expected - rows.count for each in (before, after)
     )
-    if (over - left).sum() >= TAKEN_FROM * over.sum():
+    stretched, relaxed = (_stretch(rows, each.vector, before.levels) for each in (before, after))
+    whole = COUNTS * over.sum() + stretched
+    if whole - COUNTS * left.sum() - relaxed >= TAKEN_FROM * whole:
         return True
     run = one.part[1].shape.run
     if run is not None:
@@ -141,6 +145,12 @@ def explains(workspace: Workspace, one: Judged) -> bool:
         return shown >= TAKEN_FROM * max(added, there)
     here = np.isin(rows.signal, np.r_[GRF, COP])
     return bool((over - left)[here].sum() >= TAKEN_FROM * over[here].sum())
+
+
+def _stretch(rows: Rows, vector: FloatArray, levels: FloatArray) -> float:
+    """Sum of squares of errors as built, over what they usually are at some levels."""
+    built = rows.built
+    return float((vector[: len(built)][built] ** 2 * rows.prior(levels)[built]).sum())
 
 
 def without(workspace: Workspace, found: Selection, index: int) -> Selection:

@@ -12,9 +12,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.error_sources.base import ALL, deviations
+from shoecal_core.error_sources.base import ALL, Effect, deviations
 from shoecal_core.error_sources.deviation import Deviation
-from shoecal_core.error_sources.effects import body, contact, geometry, places
+from shoecal_core.error_sources.effects import body, contact, geometry, places, timing
 from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.signals import AIR
 from shoecal_core.error_sources.tolerances import Tolerances
@@ -40,6 +40,7 @@ def as_built(signal_model: SignalModel, tolerances: Tolerances) -> list[Deviatio
         *of_body(signal_model, tolerances, in_all_forms=True),
         *of_shoes(signal_model, tolerances),
     ]
+    found += deviations(timing.Latency(), signal_model, tolerances, [(ALL,)])
     return [*found, *of_setup(signal_model, tolerances)]
 
 
@@ -89,12 +90,15 @@ def _joints(
 ) -> Iterator[Deviation]:
     zero = body.JointOffset()
     yield from deviations(zero, signal_model, tolerances, zero.places(signal_model))
+    gears: list[tuple[Effect, int]] = [(body.JointCompliance(), 1), (body.Backlash(), 1)]
+    if in_all_forms:
+        # Dragged it is friction.
+        gears = [*gears[:1], (body.Backlash(), len(body.FRICTION)), (body.JointFriction(), 1)]
     # Gears of one robot are alike, and differ a little: one number in common, one a joint.
-    for gear in (body.JointCompliance(), body.Backlash()):
-        common = [(ALL,)]
-        yield from deviations(gear, signal_model, tolerances, common, in_all_forms=in_all_forms)
+    for gear, forms in gears:
+        yield from deviations(gear, signal_model, tolerances, [(ALL,)], forms=forms)
         each = places.each_joint(signal_model)
-        for one in deviations(gear, signal_model, tolerances, each, in_all_forms=in_all_forms):
+        for one in deviations(gear, signal_model, tolerances, each, forms=forms):
             yield replace(one, std=tolerances.gear_spread * one.std)
 
 

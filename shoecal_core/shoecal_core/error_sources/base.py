@@ -130,14 +130,14 @@ def deviations(
     tolerances: Tolerances,
     places: Iterable[Place],
     *,
-    in_all_forms: bool = False,
+    forms: int = 1,
 ) -> Iterator[Deviation]:
-    """Every as-built component of an effect at these places, in its first form or in each."""
+    """Every as-built component of an effect at these places, in each of its first forms."""
     weight = signal_model.samples.robot.weight
     stds = {one.name: as_built_std(one, tolerances, weight) for one in effect.components}
     known = {one.name: one for one in effect.components}
     for place in places:
-        shapes = list(effect.shapes(signal_model, place))[: None if in_all_forms else 1]
+        shapes = list(effect.shapes(signal_model, place))[:forms]
         for shape in shapes:
             for name, column in zip(shape.free, shape.columns, strict=True):
                 if stds.get(name, 0.0) > 0.0:

@@ -26,6 +26,10 @@ class Tolerances(Settings):
     gear_play_rad: float = setting(
         0.003, "rad", "play of the leg joints' gears, of all together", minimum=0.0
     )
+    gear_friction_rad: float = setting(
+        0.006, "rad", "by which the leg joints' links lag, from one way of motion to the other, as "
+        "gears with play give under friction, of all together; diagnosis only", minimum=0.0,
+    )  # fmt: skip
     gear_spread: float = setting(
         0.5, "", "how far the gears of single joints differ from each other, as a share of both",
         minimum=0.0,
@@ -54,6 +58,10 @@ class Tolerances(Settings):
     floor_tilt_rad: float = setting(
         0.002, "rad", "slope of the floor about each axis; diagnosis only", minimum=0.0
     )
+    delay_s: float = setting(
+        0.015, "s", "by which readings of both shoes are later than joint angles of the same stamp, and "
+        "links than their motors; diagnosis only", minimum=0.0,
+    )  # fmt: skip
     foot_placement_m: float = setting(
         0.001, "m", "where a shoe sits below its ankle, each axis; diagnosis only", minimum=0.0
     )

@@ -60,6 +60,7 @@ def rows(seed: int, noise: float = 1.0, size: FloatArray | None = None, built: f
         smooth=np.zeros(3),
         most=np.full(3, 100.0),
         precision=np.concatenate((np.full(BASE, 1e-4), np.ones(BUILT))),
+        built=np.repeat([False, True], [BASE, BUILT]),
         family=np.repeat([-1, 0], [BASE, BUILT]),
         most_level=np.array([4.0]),
         same=np.full(MORE, -1),
@@ -87,7 +88,7 @@ def log_density(scored: Scored, what: Rows) -> float:
     found -= 0.5 * FREEDOM * float((np.log(ratio) + 1.0 / ratio - 1.0).sum())
     level = float(scored.levels[0]) / LEVEL
     found -= 0.5 * LEVEL_FREEDOM * (2.0 * math.log(level) + level**-2.0 - 1.0)
-    return float(found) - 0.5 * math.log(scored.form_level) ** 2
+    return float(found - 0.5 * (np.log(scored.form_level) ** 2).sum())
 
 
 @pytest.mark.parametrize(("seed", "built"), [(1, 0.0), (2, 1.0), (3, 3.0)])

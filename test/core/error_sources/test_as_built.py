@@ -125,7 +125,9 @@ def rms(values: FloatArray) -> float:
 
 def test_every_source_with_a_forward_model_is_there(layout: Layout) -> None:
     """The others are held against one in `effects`."""
-    elsewhere = {"soft_ground", "crosstalk", "foot_placement", "floor_tilt"}
+    elsewhere = {
+        "soft_ground", "crosstalk", "foot_placement", "floor_tilt", "joint_friction", "latency",
+    }  # fmt: skip
     assert {one.effect for one in layout[3]} == {*SIZES, *elsewhere}
 
 

@@ -11,7 +11,7 @@ from shoecal_core.error_sources.base import ALL, Component, Place, Shape
 from shoecal_core.error_sources.body import driven_together
 from shoecal_core.error_sources.effects import places
 from shoecal_core.error_sources.signal_model import SignalModel
-from shoecal_core.samples.filters import slope
+from shoecal_core.samples.filters import play
 from shoecal_core.samples.known_weight import carried
 from shoecal_core.samples.samples import Samples
 
@@ -20,8 +20,8 @@ LEAST_MASS = 0.01
 """Links lighter than this share of the robot are not looked at."""
 FRICTION = (0.05, 0.2)
 """N m; a torque smaller than this does not say on which side of its play a joint lies."""
-DRAG = 0.01
-"""rad/s; the same of a motion."""
+TURNED_BACK = 0.004
+"""rad; a joint that has moved back by this is dragged to the other side."""
 
 
 def _heavy(signal_model: SignalModel) -> Iterator[Place]:
@@ -184,10 +184,33 @@ class Backlash(_Give):
     components = (Component("play", "rad", 0.015, 0.0, form=7.0, as_built="gear_play_rad"),)
 
     def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
-        """By the side to which the torque pushes, at once or over a while, or the motion drags."""
+        """By the side to which the torque pushes, at once or over a while, or friction drags."""
         for friction in FRICTION:
             yield self._shape(
                 signal_model, place, "play", 0.5 * np.tanh(signal_model.torque / friction)
             )
-        rate = signal_model.samples.decimated(lambda track: slope(track.angles, track.time))
-        yield self._shape(signal_model, place, "play", 0.5 * np.tanh(rate / DRAG))
+        yield self._shape(signal_model, place, "play", _dragged(signal_model))
+
+
+class JointFriction(_Give):
+    """A joint's friction, on the links' side of what gives, lets the link lag behind its encoder.
+
+    By how much follows from torques that two feet on the floor leave open; the sign from the way
+    that the joint came, standing still too. No cause: what has play or friction beyond tolerance
+    is a `Backlash`.
+    """
+
+    identifier, group = "joint_friction", "body"
+    components = (Component("lag", "rad", 0.015, 0.0, as_built="gear_friction_rad"),)
+
+    def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
+        """From one side to the other by the way that it came."""
+        yield self._shape(signal_model, place, "lag", _dragged(signal_model))
+
+
+def _dragged(signal_model: SignalModel) -> FloatArray:
+    """(T, m) by how much each joint's link is behind, for a unit from one side to the other."""
+    width = np.full(signal_model.samples.angles.shape[1], TURNED_BACK)
+    return signal_model.samples.decimated(
+        lambda track: (track.angles - play(track.angles, width)) / TURNED_BACK
+    )

@@ -20,8 +20,10 @@ from core.error_sources.altered import (
 from core.error_sources.shows import assert_shows, shape, told
 from shoecal_core.error_sources.body import driven_together
 from shoecal_core.error_sources.effects.body import (
+    TURNED_BACK,
     Backlash,
     JointCompliance,
+    JointFriction,
     JointOffset,
     LinkCom,
     Payload,
@@ -208,6 +210,29 @@ def test_backlash(signal_model: SignalModel, place: str) -> None:
     change[:, joints] = 0.5 * play * np.sign(signal_model.torque[:, joints])
     found = shape(signal_model, Backlash(), place)
     assert_shows(signal_model, with_angles(signal_model, change), told(found, play), within=0.35)
+
+
+@pytest.mark.parametrize("place", [*JOINTS[1:], "all"])
+def test_friction_keeps_a_link_behind_by_the_way_that_it_came(
+    signal_model: SignalModel, place: str
+) -> None:
+    """From one side to the other while the joint turns back; at rest it stays where it is."""
+    samples, lag = signal_model.samples, 1e-3
+    sides = []
+    for track in samples.tracks:
+        side = np.zeros_like(track.angles)
+        for row, turned in enumerate(np.diff(track.angles, axis=0), 1):
+            side[row] = np.clip(side[row - 1] + turned / TURNED_BACK, -0.5, 0.5)
+        sides.append(track.mean(side))
+    behind = np.concatenate(sides)
+    joints = samples.robot.moved if place == "all" else [samples.robot.joint(place)]
+    change = np.zeros_like(behind)
+    change[:, joints] = lag * behind[:, joints]
+    found = shape(signal_model, JointFriction(), place)
+    assert_shows(signal_model, with_angles(signal_model, change), told(found, lag), within=0.15)
+    # A robot's friction is what play looks like that is dragged.
+    *_, dragged = Backlash().shapes(signal_model, (place,))
+    np.testing.assert_array_equal(dragged.columns, found.columns)
 
 
 def test_inertia_is_the_zero_moment_point_s_way_from_the_com(signal_model: SignalModel) -> None:
