@@ -9,7 +9,7 @@ from scipy.stats import multivariate_normal
 
 from core.diagnosis.drawn import Urn, part
 from core.diagnosis.test_scoring import ROWS, STD, possible, rows
-from shoecal_core.diagnosis.prediction import ROUNDS, log_predictive
+from shoecal_core.diagnosis.prediction import BUILT_WITHIN, ROUNDS, log_predictive, within_tolerance
 from shoecal_core.diagnosis.scoring import COUNTS, Scorer, most_probable
 
 SIZE = np.array([0.0, 0.3, -0.4, 0.0])
@@ -57,6 +57,20 @@ def test_what_is_true_predicts_runs_left_out(urn: Urn, seed: int) -> None:
     least = log_predictive(drawn.withheld, scorer.nothing)
     assert told.pop("floor_tilt") > least + 3.0
     assert max(told.values()) < least + 3.0
+
+
+def test_without_a_fault_the_same_error_as_built_is_no_larger_than_its_tolerance(urn: Urn) -> None:
+    """It would predict as well as the fault otherwise, however improbable it is."""
+    drawn = urn.draw(np.random.default_rng(3), {"latency (all)": [0.15]})
+    scorer = drawn.scorer
+    found = log_predictive(drawn.withheld, scorer.score([part(drawn, "latency (all)")]))
+    assert log_predictive(drawn.withheld, scorer.nothing) > found - 3.0
+    kept = within_tolerance(scorer.nothing)
+    assert log_predictive(drawn.withheld, kept) < found - 3.0
+    most = BUILT_WITHIN / np.sqrt(scorer.rows.prior(kept.levels))
+    built = scorer.rows.built
+    assert (np.abs(kept.vector) <= most)[built].all()
+    np.testing.assert_array_equal(kept.vector[~built], scorer.nothing.vector[~built])
 
 
 @pytest.mark.parametrize("seed", range(4))

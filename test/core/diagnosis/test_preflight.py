@@ -66,7 +66,7 @@ def test_a_delay_looks_more_like_a_lag_in_slow_motion(workspace: Workspace) -> N
 
     faster = 3
     assert apart(1, 2, faster) > 2.0 * apart(1, 2)
-    twins = frozenset(("latency (all)", "low_pass (all)"))
+    twins = frozenset(("latency (left)", "low_pass (left)"))
     assert twins in paired(trained_on(workspace, 1, 2))
 
 
