@@ -59,9 +59,12 @@ class Tolerances(Settings):
         0.002, "rad", "slope of the floor about each axis; diagnosis only", minimum=0.0
     )
     delay_s: float = setting(
-        0.015, "s", "by which readings of both shoes are later than joint angles of the same stamp, and "
-        "links than their motors; diagnosis only", minimum=0.0,
-    )  # fmt: skip
+        0.015,
+        "s",
+        "by which readings of both shoes are later than joint angles of the same stamp, and links "
+        "than their motors; diagnosis only",
+        minimum=0.0,
+    )
     foot_placement_m: float = setting(
         0.001, "m", "where a shoe sits below its ankle, each axis; diagnosis only", minimum=0.0
     )

@@ -26,9 +26,7 @@ class Latency:
     """Readings are older than their stamps say, against the joints."""
 
     identifier, group = "latency", "timing"
-    components = (
-        Component("delay", "s", 0.04, 0.0, form=1.5, blur=STAMPS, as_built="delay_s"),
-    )
+    components = (Component("delay", "s", 0.04, 0.0, form=1.5, blur=STAMPS, as_built="delay_s"),)
 
     def places(self, signal_model: SignalModel) -> Iterator[Place]:
         """Each foot, or both alike."""
