@@ -64,7 +64,7 @@ class Rows:
         most: (G,) variance up to which a group may be more than was expected.
         precision: (p,) of the baseline's priors, at level 1.
         built: (p,) as-built errors.
-        family: (p,) of as-built errors; -1 for those of none, and for all else.
+        family: (p,) of as-built errors; -1 for what belongs to none.
         most_level: (F,) of each family.
         same: (k,) column of the baseline that is the same error as built; -1 where there is none.
     """
@@ -215,7 +215,7 @@ def make_rows(
 
 
 def _families(signal_model: SignalModel) -> IntArray:
-    """(p,) to which of FAMILIES each column of the baseline belongs; -1 for what is no error."""
+    """(p,) to which of FAMILIES each column of the baseline belongs; -1 for those of none."""
     of = {effect: at for at, effects in enumerate(FAMILIES) for effect in effects}
     found = np.full(len(signal_model.baseline), -1)
     found[signal_model.built] = [of.get(one.effect, -1) for one in signal_model.deviations]

@@ -90,10 +90,11 @@ def _joints(
 ) -> Iterator[Deviation]:
     zero = body.JointOffset()
     yield from deviations(zero, signal_model, tolerances, zero.places(signal_model))
-    gears: list[tuple[Effect, int]] = [(body.JointCompliance(), 1), (body.Backlash(), 1)]
+    # Play that is pushed; dragged it is friction.
+    pushed = len(body.FRICTION) if in_all_forms else 1
+    gears: list[tuple[Effect, int]] = [(body.JointCompliance(), 1), (body.Backlash(), pushed)]
     if in_all_forms:
-        # Dragged it is friction.
-        gears = [*gears[:1], (body.Backlash(), len(body.FRICTION)), (body.JointFriction(), 1)]
+        gears.append((body.JointFriction(), 1))
     # Gears of one robot are alike, and differ a little: one number in common, one a joint.
     for gear, forms in gears:
         yield from deviations(gear, signal_model, tolerances, [(ALL,)], forms=forms)

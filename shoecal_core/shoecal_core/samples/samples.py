@@ -17,6 +17,7 @@ from scipy.sparse import csr_matrix
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.kinematics import BodyStates
 from shoecal_core.robot.robot import Robot
+from shoecal_core.samples.filters import play
 from shoecal_core.shoe.shoe import Shoe
 
 FloatArray = NDArray[np.float64]
@@ -24,6 +25,8 @@ BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.int64]
 
 STRETCH_S = 6.0
+TURNED_BACK = 0.004
+"""rad; a joint that has moved back by this is dragged to the other side."""
 
 
 @dataclass(frozen=True)
@@ -162,6 +165,14 @@ class Samples:
         if any(track.efforts is None for track in self.tracks):
             return None
         return self.decimated(lambda track: np.asarray(track.efforts))
+
+    @cached_property
+    def dragged(self) -> FloatArray:
+        """(T, m) on which side each joint is by the way that it came, from -1/2 to 1/2."""
+        width = np.full(self.angles.shape[1], TURNED_BACK)
+        return self.decimated(
+            lambda track: (track.angles - play(track.angles, width)) / TURNED_BACK
+        )
 
     def segment_means(self, values: FloatArray) -> FloatArray:
         """(T, ...) each sample's segment's mean."""

@@ -11,7 +11,6 @@ from shoecal_core.error_sources.base import ALL, Component, Place, Shape
 from shoecal_core.error_sources.body import driven_together
 from shoecal_core.error_sources.effects import places
 from shoecal_core.error_sources.signal_model import SignalModel
-from shoecal_core.samples.filters import play
 from shoecal_core.samples.known_weight import carried
 from shoecal_core.samples.samples import Samples
 
@@ -20,8 +19,6 @@ LEAST_MASS = 0.01
 """Links lighter than this share of the robot are not looked at."""
 FRICTION = (0.05, 0.2)
 """N m; a torque smaller than this does not say on which side of its play a joint lies."""
-TURNED_BACK = 0.004
-"""rad; a joint that has moved back by this is dragged to the other side."""
 
 
 def _heavy(signal_model: SignalModel) -> Iterator[Place]:
@@ -189,7 +186,7 @@ class Backlash(_Give):
             yield self._shape(
                 signal_model, place, "play", 0.5 * np.tanh(signal_model.torque / friction)
             )
-        yield self._shape(signal_model, place, "play", _dragged(signal_model))
+        yield self._shape(signal_model, place, "play", signal_model.samples.dragged)
 
 
 class JointFriction(_Give):
@@ -205,12 +202,4 @@ class JointFriction(_Give):
 
     def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
         """From one side to the other by the way that it came."""
-        yield self._shape(signal_model, place, "lag", _dragged(signal_model))
-
-
-def _dragged(signal_model: SignalModel) -> FloatArray:
-    """(T, m) by how much each joint's link is behind, for a unit from one side to the other."""
-    width = np.full(signal_model.samples.angles.shape[1], TURNED_BACK)
-    return signal_model.samples.decimated(
-        lambda track: (track.angles - play(track.angles, width)) / TURNED_BACK
-    )
+        yield self._shape(signal_model, place, "lag", signal_model.samples.dragged)

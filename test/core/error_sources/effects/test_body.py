@@ -20,7 +20,6 @@ from core.error_sources.altered import (
 from core.error_sources.shows import assert_shows, shape, told
 from shoecal_core.error_sources.body import driven_together
 from shoecal_core.error_sources.effects.body import (
-    TURNED_BACK,
     Backlash,
     JointCompliance,
     JointFriction,
@@ -34,6 +33,7 @@ from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.signals import AIR, COP, GRF, SIGNALS
 from shoecal_core.robot.robot import GRAVITY, Robot
 from shoecal_core.samples.known_weight import KNOWN_MASS, WEIGHTED
+from shoecal_core.samples.samples import TURNED_BACK
 
 FloatArray = NDArray[np.float64]
 JOINTS = ("LHipYawPitch", "LKneePitch", "RAnkleRoll")
