@@ -26,6 +26,7 @@ from shoecal_core.diagnosis.shrink import excess, gap, judged, shrink
 from shoecal_core.diagnosis.sizes import sizes
 from shoecal_core.diagnosis.tempering import needed, shares, temper
 from shoecal_core.diagnosis.workspace import Workspace
+from shoecal_core.error_sources.signals import COP, GRF
 
 FloatArray = NDArray[np.float64]
 EXPLAINED_FROM = 0.6
@@ -105,11 +106,13 @@ def borne_out(
         if probable < (LIKELY if index else 1.0 - settings.false_alarms):
             why = f"with {1.0 - probable:.0%} it is an error that any robot may be built with"
         if _judged_by_others(workspace, form):
-            there, shown, _ = taken(workspace, chosen, index, workspace.test)
-            if min(there, shown) <= 0.0 or found.predicted[index] < needed(settings):
+            ways = [taken(workspace, chosen, index, workspace.test, part) for part in (GRF, COP)]
+            confirmed = any(min(there, shown) > 0.0 for there, shown, _ in ways)
+            if not confirmed or found.predicted[index] < needed(settings):
                 why = "explains training runs, but test runs do not confirm it"
                 # Not that, but something: a robot as built is as improbable as before.
-                other = max(other, chosen.evidence) if there > 0.0 else other
+                there = any(there > 0.0 for there, _, _ in ways)
+                other = max(other, chosen.evidence) if there else other
         if why:
             left = replace(without(workspace, found, index), other=other)
             left, others = borne_out(workspace, left, settings)
@@ -129,8 +132,10 @@ def _predicted(workspace: Workspace, found: Selection, index: int) -> float:
         return 0.0
     left, scorer = fit_without(workspace, found.chosen, index), workspace.scorer
     others = (left,) if left is not None else (scorer.nothing, scorer.other)
-    least = max(log_predictive(workspace.withheld, within_tolerance(one)) for one in others)
-    return log_predictive(workspace.withheld, found.chosen) - least
+    chosen, *least = (
+        log_predictive(workspace.withheld, within_tolerance(one)) for one in (found.chosen, *others)
+    )
+    return chosen - max(least)
 
 
 def causes_of(workspace: Workspace, found: Selection) -> list[Cause]:

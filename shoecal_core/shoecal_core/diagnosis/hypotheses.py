@@ -113,8 +113,8 @@ def make_catalogue(
                     shape,
                     places,
                     std=stds(effect, shape.free, weight),
-                    least=lower_bounds(effect, shape.free),
-                    most=upper_bounds(effect, shape.free, weight),
+                    least=lower_bounds(effect, shape),
+                    most=upper_bounds(effect, shape, weight),
                 )
             )
             if shape.signal_model is None:

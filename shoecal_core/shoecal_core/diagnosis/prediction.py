@@ -22,10 +22,11 @@ BUILT_WITHIN = 2.0
 def within_tolerance(scored: Scored) -> Scored:
     """The same fit with errors that are no larger than a robot as built may have them.
 
-    An error as built that is the same as a fault, or nearly, would predict as well as the fault.
+    An error as built that is the same as a fault, or nearly, would predict as well as the fault;
+    and a wrong cause next to it would seem to.
     """
     rows = scored.scorer.rows
-    most = np.where(rows.built, BUILT_WITHIN / np.sqrt(rows.prior(scored.levels)), np.inf)
+    most = np.where(rows.built, BUILT_WITHIN / np.sqrt(rows.precision), np.inf)
     vector = scored.vector.copy()
     vector[: len(most)] = np.clip(vector[: len(most)], -most, most)
     return replace(scored, vector=vector)

@@ -64,14 +64,14 @@ def rewired(
     """
     if not workspace.catalogue.rewired:
         return None
-    usual = _misfit(workspace, workspace.signal_model.wiring)
+    usual = _misfits(workspace, workspace.signal_model.wiring)
     found = []
     for hypothesis in workspace.catalogue.rewired:
         signal_model = hypothesis.forms[0].shape.signal_model
         assert signal_model is not None
-        found.append((_misfit(workspace, signal_model.wiring), hypothesis, signal_model))
-    squares, hypothesis, signal_model = min(found, key=lambda one: one[0])
-    if squares > CLEARLY * usual:
+        found.append((_misfits(workspace, signal_model.wiring), hypothesis, signal_model))
+    misfits, hypothesis, signal_model = min(found, key=lambda one: one[0])
+    if any(now > CLEARLY * before for now, before in zip(misfits, usual, strict=True)):
         return None
     return Exchange(
         hypothesis,
@@ -87,26 +87,34 @@ def rewired(
     )
 
 
-def _misfit(workspace: Workspace, wiring: Wiring) -> float:
-    """Mean square of what the best gains and offsets leave of the wrenches of both feet [N^2]."""
+def _misfits(workspace: Workspace, wiring: Wiring) -> tuple[float, ...]:
+    """Mean squares [N^2] of what is left of the wrenches of both feet by the gains and offsets that
+    are best on the training runs: on these, and on the test runs if there are any.
+    """
+    matrix, target = _wrenches(workspace, wiring, workspace.train)
+    size = np.maximum(np.linalg.norm(matrix, axis=0), 1e-12)
+    fitted = np.linalg.lstsq(matrix / size, target, rcond=1e-6)[0] / size
+    sets = [(matrix, target), _wrenches(workspace, wiring, workspace.test)]
+    return tuple(float(np.mean((b - a @ fitted) ** 2)) for a, b in sets if len(b))
+
+
+def _wrenches(
+    workspace: Workspace, wiring: Wiring, runs: Sequence[int]
+) -> tuple[FloatArray, FloatArray]:
+    """(R, p) of gains and offsets, and (R,) expected, of both feet's wrenches on some runs."""
     signal_model: SignalModel = workspace.signal_model
     samples = signal_model.samples
-    shoe = samples.shoe
-    base = weight_below(shoe)
+    base = weight_below(samples.shoe)
     scale = np.array([1.0, 1.0 / LEVER, 1.0 / LEVER])
-    rows, targets = [], []
+    count = 2 * len(wiring.foot)
+    rows, targets = [np.zeros((0, 3, count))], [np.zeros((0, 3))]
+    wanted = samples.both & workspace.rows_of(runs)
     for segment, support in enumerate(signal_model.supports):
-        part = (samples.segment == segment) & samples.both
-        part &= workspace.rows_of(workspace.train)
+        part = wanted & (samples.segment == segment)
         if not part.any():
             continue
         columns = wiring.in_left(support)
-        readings = samples.readings[part]
         wrench = at_cop(samples.force[part], samples.cop[part]) - combined(base, support)
-        rows.append(by_parameters(scale[:, None] * columns.T, readings))
+        rows.append(by_parameters(scale[:, None] * columns.T, samples.readings[part]))
         targets.append(scale * wrench)
-    target = np.concatenate(targets).ravel()
-    matrix = np.concatenate(rows).reshape(len(target), -1)
-    size = np.maximum(np.linalg.norm(matrix, axis=0), 1e-12)
-    fitted = np.linalg.lstsq(matrix / size, target, rcond=1e-6)[0]
-    return float(np.mean((target - matrix / size @ fitted) ** 2))
+    return np.concatenate(rows).reshape(-1, count), np.concatenate(targets).ravel()

@@ -18,7 +18,7 @@ from shoecal_core.diagnosis.hypotheses import Hypothesis
 from shoecal_core.diagnosis.rows import Rows
 from shoecal_core.diagnosis.scoring import COUNTS, Part, Scored, Scorer
 from shoecal_core.diagnosis.settings import ARM_M, DiagnosisSettings
-from shoecal_core.diagnosis.shrink import excess, squares
+from shoecal_core.diagnosis.shrink import FORCE_AND_PLACE, excess, squares
 from shoecal_core.diagnosis.tempering import needed
 from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.error_sources.signals import COP, GRF
@@ -172,13 +172,17 @@ def fit_without(workspace: Workspace, chosen: Scored, index: int) -> Scored | No
 
 
 def taken(
-    workspace: Workspace, scored: Scored, index: int, runs: Sequence[int]
+    workspace: Workspace,
+    scored: Scored,
+    index: int,
+    runs: Sequence[int],
+    part: slice = FORCE_AND_PLACE,
 ) -> tuple[float, float, float]:
     """Excess of CoP and GRF on some runs without a cause, what it takes of it, and what it adds."""
     now = workspace.at(scored)
     before, after = now.without(scored, index), now.explained(scored)[0]
-    there = excess(now, before, runs)
-    return there, there - excess(now, after, runs), squares(now, before - after, runs)
+    there = excess(now, before, runs, part)
+    return there, there - excess(now, after, runs, part), squares(now, before - after, runs, part)
 
 
 def asked_for(workspace: Workspace) -> Selection:

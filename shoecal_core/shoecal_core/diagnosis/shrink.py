@@ -16,6 +16,7 @@ MEAN_NORM = float(np.sqrt(np.pi / 2.0))
 """Mean length of two normal numbers of unit deviation."""
 MEAN_SIZE = float(np.sqrt(2.0 / np.pi))
 DRAWS = 400
+FORCE_AND_PLACE = slice(GRF.start, COP.stop)
 
 
 def gap(workspace: Workspace, rest: FloatArray) -> Gap:
@@ -71,14 +72,18 @@ def shrink(workspace: Workspace, before: FloatArray, after: FloatArray) -> Shrin
     )
 
 
-def excess(workspace: Workspace, rest: FloatArray, runs: Sequence[int]) -> float:
+def excess(
+    workspace: Workspace, rest: FloatArray, runs: Sequence[int], part: slice = FORCE_AND_PLACE
+) -> float:
     """Mean square of the whitened errors (T, s) of GRF and CoP on some runs, less their floor."""
-    return squares(workspace, rest, runs) - 1.0
+    return squares(workspace, rest, runs, part) - 1.0
 
 
-def squares(workspace: Workspace, rest: FloatArray, runs: Sequence[int]) -> float:
+def squares(
+    workspace: Workspace, rest: FloatArray, runs: Sequence[int], part: slice = FORCE_AND_PLACE
+) -> float:
     """Mean square of the whitened errors (T, s) of GRF and CoP on some runs."""
-    return float(_squares(workspace, rest, workspace.rows_of(runs)).mean())
+    return float(_squares(workspace, rest, workspace.rows_of(runs), part).mean())
 
 
 def _fraction(before: float, after: float, count: float) -> float:
@@ -88,9 +93,13 @@ def _fraction(before: float, after: float, count: float) -> float:
     return float(np.clip(1.0 - max(after - count, 0.0) / over, -9.0, 1.0))
 
 
-def _squares(workspace: Workspace, rest: FloatArray, rows: NDArray[np.bool_]) -> FloatArray:
+def _squares(
+    workspace: Workspace,
+    rest: FloatArray,
+    rows: NDArray[np.bool_],
+    part: slice = FORCE_AND_PLACE,
+) -> FloatArray:
     """(k,) mean over GRF and CoP of the squares of each of some samples (T,), in noises."""
-    part = slice(GRF.start, COP.stop)
     there = rest[rows & workspace.signal_model.mask[:, 1]][:, part]
     squares: FloatArray = ((there / workspace.floor[part]) ** 2).mean(axis=1)
     return squares

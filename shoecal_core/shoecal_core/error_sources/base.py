@@ -67,6 +67,7 @@ class Shape:
         signal_model: that it belongs to, where it changes what channels mean; None: the one that
             was given.
         scale: a component's value is the fitted number times this (1 where not listed).
+        within: least and most of a component for which this form holds, where not for all.
     """
 
     free: tuple[str, ...]
@@ -76,6 +77,7 @@ class Shape:
     onset: float | None = None
     signal_model: SignalModel | None = None
     scale: Mapping[str, float] = field(default_factory=dict)
+    within: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
 
 class Effect(Protocol):
@@ -148,13 +150,14 @@ def deviations(
                     )  # fmt: skip
 
 
-def lower_bounds(effect: Effect, names: tuple[str, ...]) -> FloatArray:
-    """(k,) least values of k components; LEAST_FACTOR for a factor that is no component.
+def lower_bounds(effect: Effect, shape: Shape) -> FloatArray:
+    """(k,) least values of a shape's k components; LEAST_FACTOR for a factor that is no component.
 
     Such a factor says how much of the effect's own fixed form is there.
     """
     known = {component.name: component.least for component in effect.components}
-    return np.array([known.get(split_name(name)[0], LEAST_FACTOR) for name in names])
+    known |= {name: least for name, (least, _) in shape.within.items()}
+    return np.array([known.get(split_name(name)[0], LEAST_FACTOR) for name in shape.free])
 
 
 def stds(effect: Effect, names: tuple[str, ...], weight: float) -> FloatArray:
@@ -166,14 +169,17 @@ def stds(effect: Effect, names: tuple[str, ...], weight: float) -> FloatArray:
     return np.array([known.get(split_name(name)[0], 1.0) for name in names])
 
 
-def upper_bounds(effect: Effect, names: tuple[str, ...], weight: float) -> FloatArray:
-    """(k,) largest values of k components on a robot of this weight [N]; as for `stds`."""
-    own = {component.name: component for component in effect.components}
-    shares = [
-        np.inf
-        if (one := own.get(split_name(name)[0])) is None or one.most is None
-        else one.most / one.std
-        for name in names
-    ]
-    most: FloatArray = stds(effect, names, weight) * np.array(shares)
-    return most
+def upper_bounds(effect: Effect, shape: Shape, weight: float) -> FloatArray:
+    """(k,) largest values of a shape's k components; infinite for what is no component.
+
+    Args:
+        weight: of the robot [N], with which units with forces in them grow.
+    """
+    known = {
+        one.name: np.inf
+        if one.most is None
+        else one.most * (weight / USUAL_WEIGHT) ** FORCES.get(one.unit, 0)
+        for one in effect.components
+    }
+    known |= {name: most for name, (_, most) in shape.within.items()}
+    return np.array([known.get(split_name(name)[0], np.inf) for name in shape.free])

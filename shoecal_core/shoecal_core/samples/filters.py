@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.integrate import cumulative_trapezoid
 from scipy.ndimage import uniform_filter1d
 from scipy.signal import lfilter
 
@@ -34,6 +35,14 @@ def play(values: FloatArray, width: FloatArray) -> FloatArray:
     return followed
 
 
+def relay(values: FloatArray, band: float) -> FloatArray:
+    """Side -1 or 1 to which values (F, k) last left a band about zero; 0 as long as none did."""
+    side = np.where(np.abs(values) > band, np.sign(values), 0.0)
+    last = np.where(side != 0.0, np.arange(len(side))[:, None], 0)
+    held: FloatArray = np.take_along_axis(side, np.maximum.accumulate(last, axis=0), axis=0)
+    return held
+
+
 def slope(values: FloatArray, time: FloatArray, span: float = 0.6) -> FloatArray:
     """(F, k) rate of change, from how values differ half a span [s] before and after.
 
@@ -51,3 +60,11 @@ def slope(values: FloatArray, time: FloatArray, span: float = 0.6) -> FloatArray
         return np.asarray((calm[after] - calm[before]) / gone[:, None])
 
     return evenly(rate, values, time)
+
+
+def rise(rate: FloatArray, time: FloatArray, span: float) -> FloatArray:
+    """(F, k) by how much what changes at a rate (F, k) is more a span [s] later, or at the end."""
+    whole = cumulative_trapezoid(rate, time, axis=0, initial=0)
+    later = np.stack([np.interp(time + span, time, column) for column in whole.T], axis=1)
+    found: FloatArray = later - whole
+    return found

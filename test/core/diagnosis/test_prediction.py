@@ -67,7 +67,7 @@ def test_without_a_fault_the_same_error_as_built_is_no_larger_than_its_tolerance
     assert log_predictive(drawn.withheld, scorer.nothing) > found - 3.0
     kept = within_tolerance(scorer.nothing)
     assert log_predictive(drawn.withheld, kept) < found - 3.0
-    most = BUILT_WITHIN / np.sqrt(scorer.rows.prior(kept.levels))
+    most = BUILT_WITHIN / np.sqrt(scorer.rows.precision)
     built = scorer.rows.built
     assert (np.abs(kept.vector) <= most)[built].all()
     np.testing.assert_array_equal(kept.vector[~built], scorer.nothing.vector[~built])

@@ -63,6 +63,21 @@ def test_cables_that_are_right_stay(workspace: Workspace) -> None:
     )
 
 
+def test_an_exchange_that_test_runs_deny_is_none(workspace: Workspace) -> None:
+    """In the training runs alone something else looks like it."""
+    crossed = swapped(workspace, 0, 3)
+    samples = crossed.signal_model.samples
+    order = np.arange(len(samples.shoe.channels))
+    order[[0, 3]] = 3, 0
+    here = crossed.rows_of(crossed.test)[:, None]
+    readings = np.where(here, samples.readings[:, order], samples.readings)
+    signal_model = replace(crossed.signal_model, samples=replace(samples, readings=readings))
+    denied = replace(crossed, signal_model=signal_model)
+    assert rewired(crossed, EFFECTS, SETTINGS) is not None
+    assert rewired(denied, EFFECTS, SETTINGS) is None
+    assert rewired(replace(denied, test=()), EFFECTS, SETTINGS) is not None
+
+
 def test_who_asks_for_them_alone_is_told_of_them_alone(
     standard_session: Session, tmp_path: Path
 ) -> None:

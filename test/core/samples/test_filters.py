@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shoecal_core.samples.filters import low_passed, play, slope
+from shoecal_core.samples.filters import low_passed, play, relay, rise, slope
 
 TIME = np.arange(0.0, 20.0, 0.02)
 
@@ -36,3 +36,22 @@ def test_the_slope_of_a_line_and_of_a_parabola(rate: float, bend: float) -> None
     np.testing.assert_allclose(
         slope(values, TIME)[inside, 0], (rate + 2.0 * bend * TIME)[inside], atol=1e-6
     )
+
+
+@given(st.floats(0.1, 5.0), st.integers(0, 100))
+def test_a_relay_stays_on_its_side_until_the_band_is_left_on_the_other(
+    band: float, seed: int
+) -> None:
+    force = np.cumsum(np.random.default_rng(seed).normal(size=(200, 2)), axis=0)
+    side, wanted = relay(force, band), np.zeros(2)
+    for now, found in zip(force, side, strict=True):
+        wanted = np.where(now > band, 1.0, np.where(now < -band, -1.0, wanted))
+        np.testing.assert_array_equal(found, wanted)
+
+
+@given(st.floats(0.02, 3.0))
+def test_what_comes_a_span_later_is_more_by_its_rise(span: float) -> None:
+    """At the end it stays."""
+    found = rise(np.cos(TIME)[:, None], TIME, span)[:, 0]
+    wanted = np.sin(np.minimum(TIME + span, TIME[-1])) - np.sin(TIME)
+    np.testing.assert_allclose(found, wanted, atol=1e-3)

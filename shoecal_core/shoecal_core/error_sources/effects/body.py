@@ -11,14 +11,19 @@ from shoecal_core.error_sources.base import ALL, Component, Place, Shape
 from shoecal_core.error_sources.body import driven_together
 from shoecal_core.error_sources.effects import places
 from shoecal_core.error_sources.signal_model import SignalModel
+from shoecal_core.samples.filters import relay
 from shoecal_core.samples.known_weight import carried
 from shoecal_core.samples.samples import Samples
+from shoecal_core.shoe.priors import USUAL_WEIGHT
 
 FloatArray = NDArray[np.float64]
 LEAST_MASS = 0.01
 """Links lighter than this share of the robot are not looked at."""
 FRICTION = (0.05, 0.2)
-"""N m; a torque smaller than this does not say on which side of its play a joint lies."""
+"""N m on a robot of `USUAL_WEIGHT`; a torque smaller than this does not say on which side of its
+play a joint lies."""
+HELD_BY = (0.03, 0.07, 0.15)
+"""N m on a robot of `USUAL_WEIGHT`, by which friction holds a joint on its side of the play."""
 
 
 def _heavy(signal_model: SignalModel) -> Iterator[Place]:
@@ -181,11 +186,14 @@ class Backlash(_Give):
     components = (Component("play", "rad", 0.015, 0.0, form=7.0, as_built="gear_play_rad"),)
 
     def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
-        """By the side to which the torque pushes, at once or over a while, or friction drags."""
+        """By the side to which the torque pushes, at once or over a while; by the one to which it
+        last overcame friction; by the one to which friction drags.
+        """
+        torque = signal_model.torque / (signal_model.samples.robot.weight / USUAL_WEIGHT)
         for friction in FRICTION:
-            yield self._shape(
-                signal_model, place, "play", 0.5 * np.tanh(signal_model.torque / friction)
-            )
+            yield self._shape(signal_model, place, "play", 0.5 * np.tanh(torque / friction))
+        for friction in HELD_BY:
+            yield self._shape(signal_model, place, "play", 0.5 * relay(torque, friction))
         yield self._shape(signal_model, place, "play", signal_model.samples.dragged)
 
 

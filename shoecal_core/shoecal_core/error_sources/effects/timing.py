@@ -11,13 +11,14 @@ from shoecal_core.error_sources.base import Component, Place, Shape
 from shoecal_core.error_sources.effects import places
 from shoecal_core.error_sources.effects.load_cell import shown
 from shoecal_core.error_sources.signal_model import SignalModel
-from shoecal_core.samples.filters import slope
+from shoecal_core.samples.filters import rise, slope
 from shoecal_core.samples.samples import Track
 
 FloatArray = NDArray[np.float64]
-TYPICAL_LAG = 0.1
-"""s; the second of two lags counts with the square of their time, taken at this one."""
-
+DELAYS = {0.02: (0.0, 0.06), 0.1: (0.04, 0.2), 0.25: (0.1, 0.5), 0.5: (0.2, 1.0)}
+"""s; each with the delays between which its form holds."""
+LAGS = {0.0: (0.0, np.inf), 0.1: (0.04, 0.2), 0.25: (0.1, 0.5), 0.5: (0.2, 1.0)}
+"""s; the same of two lags together, of half the time each; at 0 it is one lag."""
 STAMPS = 0.003
 """s; how far apart joints and readings may truly be that bear the same stamp."""
 
@@ -26,26 +27,23 @@ class Latency:
     """Readings are older than their stamps say, against the joints."""
 
     identifier, group = "latency", "timing"
-    components = (Component("delay", "s", 0.04, 0.0, form=1.5, blur=STAMPS, as_built="delay_s"),)
+    components = (Component("delay", "s", 0.08, 0.0, form=1.5, blur=STAMPS, as_built="delay_s"),)
 
     def places(self, signal_model: SignalModel) -> Iterator[Place]:
         """Each foot, or both alike."""
         return places.feet_and_all(signal_model)
 
     def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
-        """What was read, less what comes a delay later, for several delays (to second order)."""
+        """What was read, less what comes a delay later, for several delays, in proportion."""
         channels = places.all_channels_at(signal_model, place)
-        for delay in (0.02, 0.1):
+        for delay, bounds in DELAYS.items():
 
             def work(track: Track, delay: float = delay) -> FloatArray:
                 force = signal_model.parameters.outputs(track.readings)[:, channels]
-                rate = slope(force, track.time)
-                return -rate - 0.5 * delay * slope(rate, track.time)
+                return -rise(slope(force, track.time), track.time, delay) / delay
 
-            yield Shape(
-                ("delay",),
-                shown(signal_model, channels, signal_model.samples.decimated(work))[None],
-            )
+            columns = shown(signal_model, channels, signal_model.samples.decimated(work))[None]
+            yield Shape(("delay",), columns, within={"delay": bounds})
 
 
 class LowPass:
@@ -61,14 +59,13 @@ class LowPass:
     def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
         """One lag, for which the force is reading + time x rate; or two, of half the time each."""
         channels = places.all_channels_at(signal_model, place)
-        for second in (0.0, 0.25 * TYPICAL_LAG):
+        for time, bounds in LAGS.items():
 
-            def work(track: Track, second: float = second) -> FloatArray:
+            def work(track: Track, second: float = 0.25 * time) -> FloatArray:
                 rate = slope(
                     signal_model.parameters.outputs(track.readings)[:, channels], track.time
                 )
                 return -rate - second * slope(rate, track.time)
 
-            yield Shape(
-                ("time",), shown(signal_model, channels, signal_model.samples.decimated(work))[None]
-            )
+            columns = shown(signal_model, channels, signal_model.samples.decimated(work))[None]
+            yield Shape(("time",), columns, within={"time": bounds})

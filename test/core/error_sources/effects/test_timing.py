@@ -9,29 +9,59 @@ from numpy.typing import NDArray
 from core.error_sources.altered import with_forces
 from core.error_sources.shows import assert_shows, shape, told
 from shoecal_core.error_sources.effects.places import all_channels_at
-from shoecal_core.error_sources.effects.timing import Latency, LowPass
+from shoecal_core.error_sources.effects.timing import DELAYS, LAGS, Latency, LowPass
 from shoecal_core.error_sources.signal_model import SignalModel
+from shoecal_core.error_sources.signals import AIR
+from shoecal_core.samples.filters import low_passed
 from shoecal_core.samples.samples import Track
 
 FloatArray = NDArray[np.float64]
 PLACES = ("left", "right", "all")
 
 
-@pytest.mark.parametrize("place", PLACES)
-def test_latency(signal_model: SignalModel, place: str) -> None:
-    delay = 0.06
+def late(signal_model: SignalModel, place: str, delay: float) -> SignalModel:
+    """As if the readings of a place came a delay [s] later."""
     channels = all_channels_at(signal_model, (place,))
 
     def work(track: Track, force: FloatArray) -> FloatArray:
-        late = force.copy()
+        after = force.copy()
         for channel in channels:
-            late[:, channel] = np.interp(track.time - delay, track.time, force[:, channel])
-        return late
+            after[:, channel] = np.interp(track.time - delay, track.time, force[:, channel])
+        return after
 
+    return with_forces(signal_model, work)
+
+
+@pytest.mark.parametrize("place", PLACES)
+def test_latency(signal_model: SignalModel, place: str) -> None:
+    delay = 0.06
+    found = told(shape(signal_model, Latency(), place), delay)
+    assert_shows(signal_model, late(signal_model, place, delay), found, within=0.15)
+
+
+@pytest.mark.parametrize(("form", "delay"), enumerate(DELAYS))
+def test_each_form_is_of_its_delay(signal_model: SignalModel, form: int, delay: float) -> None:
+    """But for a foot that is lifted while the other one's readings are late."""
+    found = list(Latency().shapes(signal_model, ("left",)))[form]
+    least, most = found.within["delay"]
+    assert least < delay < most
+    after = late(signal_model, "left", delay)
+    assert_shows(signal_model, after, told(found, delay), within=0.35, without=AIR)
+
+
+@pytest.mark.parametrize(("form", "time"), list(enumerate(LAGS))[1:])
+def test_each_form_is_of_its_two_lags(signal_model: SignalModel, form: int, time: float) -> None:
+    channels = all_channels_at(signal_model, ("left",))
+
+    def work(track: Track, force: FloatArray) -> FloatArray:
+        lagging = force.copy()
+        for _ in range(2):
+            lagging[:, channels] = low_passed(lagging[:, channels], track.time, 0.5 * time)
+        return lagging
+
+    found = list(LowPass().shapes(signal_model, ("left",)))[form]
     after = with_forces(signal_model, work)
-    assert_shows(
-        signal_model, after, told(shape(signal_model, Latency(), place), delay), within=0.15
-    )
+    assert_shows(signal_model, after, told(found, time), within=0.35, without=AIR)
 
 
 @pytest.mark.parametrize("place", PLACES)
