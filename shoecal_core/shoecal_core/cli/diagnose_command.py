@@ -24,7 +24,7 @@ from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import PartialError, ShoecalError
 from shoecal_core.recording.errors import SessionError
-from shoecal_core.workflows.diagnose import Diagnosed, DiagnosisJob, attempt, do
+from shoecal_core.workflows.diagnose import Diagnosed, DiagnosisRequest, attempt, do
 from shoecal_core.workflows.many_jobs import over_cluster, over_cores
 
 SIGNALS = ("closure", "parity", "tilt", "air")
@@ -116,7 +116,7 @@ def _jobs(text: str) -> int:
     return int(text)
 
 
-def _jobs_of(args: argparse.Namespace) -> list[DiagnosisJob]:
+def _jobs_of(args: argparse.Namespace) -> list[DiagnosisRequest]:
     several = len(args.sessions) > 1
     settings = settings_of(DiagnosisSettings, args.settings, "diagnosis")
     tolerances = settings_of(Tolerances, args.settings, "tolerances")
@@ -126,7 +126,7 @@ def _jobs_of(args: argparse.Namespace) -> list[DiagnosisJob]:
             raise SessionError(session, "is named twice; name each session once")
         seen.add(session.resolve())
         jobs.append(
-            DiagnosisJob(
+            DiagnosisRequest(
                 session=session.absolute() if args.scheduler else session,
                 settings=settings,
                 tolerances=tolerances,
@@ -156,7 +156,7 @@ def _report(path: Path | None, session: Path) -> Path | None:
 
 
 def _many(
-    jobs: Sequence[DiagnosisJob], args: argparse.Namespace, console: Console
+    jobs: Sequence[DiagnosisRequest], args: argparse.Namespace, console: Console
 ) -> Mapping[str, object]:
     """All of them; those that cannot be diagnosed are listed at the end."""
     results: dict[int, Diagnosed] = {}

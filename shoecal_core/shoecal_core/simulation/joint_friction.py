@@ -44,7 +44,7 @@ def add_bristle(
         bristle.wrap_joint(joint, 1.0)
 
 
-class JointFriction:
+class BristleFriction:
     """Lets bristles slip, step by step of the physics.
 
     Attributes:

@@ -20,7 +20,7 @@ from shoecal_core.simulation.encoders import Encoders
 from shoecal_core.simulation.faults import RobotFellError, SupportNotReachedError
 from shoecal_core.simulation.floor import FloorTruth, floor_truth, sideways_forces
 from shoecal_core.simulation.imu import Imu, ImuReadings, base_motion
-from shoecal_core.simulation.joint_friction import JointFriction
+from shoecal_core.simulation.joint_friction import BristleFriction
 from shoecal_core.simulation.joint_sensors import JointReadings, JointSensors
 from shoecal_core.simulation.posing import Posing
 from shoecal_core.simulation.sampled_robot import SampledRobot
@@ -84,7 +84,7 @@ class SimulatedRobot:
         self._posing = Posing(robot, self.physics)
         self._encoders = Encoders(drawn.body)
         self._joints = JointSensors(self.physics, drawn)
-        self._friction = JointFriction(
+        self._friction = BristleFriction(
             self._model,
             drawn.body.joints,
             drawn.body.friction,

@@ -28,7 +28,7 @@ SIMULATED_FROM = 0.7
 
 
 @dataclass(frozen=True)
-class DiagnosisJob:
+class DiagnosisRequest:
     """What to diagnose, and how.
 
     Attributes:
@@ -109,7 +109,7 @@ class Diagnosed:
         return result
 
 
-def do(job: DiagnosisJob, progress: Progress = no_progress) -> Diagnosed:
+def do(job: DiagnosisRequest, progress: Progress = no_progress) -> Diagnosed:
     """Diagnose, simulate what was found, and write the report.
 
     Raises:
@@ -168,7 +168,7 @@ def do(job: DiagnosisJob, progress: Progress = no_progress) -> Diagnosed:
     )
 
 
-def attempt(job: DiagnosisJob) -> Diagnosed:
+def attempt(job: DiagnosisRequest) -> Diagnosed:
     """The same, an error in its place: one bad session does not stop the others."""
     try:
         return do(job)

@@ -141,9 +141,9 @@ def diagnose_session(
 ) -> WrittenDiagnosis:
     """Diagnose a session; JSON and report are kept in its folder."""
     # Simulator and pictures come along: the node itself stays lean.
-    from shoecal_core.workflows.diagnose import DiagnosisJob, do  # noqa: PLC0415
+    from shoecal_core.workflows.diagnose import DiagnosisRequest, do  # noqa: PLC0415
 
-    job = DiagnosisJob(folder, settings, tolerances, report=folder / REPORT)
+    job = DiagnosisRequest(folder, settings, tolerances, report=folder / REPORT)
     done = do(job, lambda doing, share: link.progress((doing, share)))
     found = done.diagnosis
     assert found is not None, "else it has raised"

@@ -119,7 +119,7 @@ class Follower:
         return FollowingState.LOST if confirmed else FollowingState.DOUBTFUL
 
 
-class JointDeflection:
+class DeflectionCompensation:
     """How far a streamed motion's commands must be ahead of measurements: its motors' give.
 
     Attributes:

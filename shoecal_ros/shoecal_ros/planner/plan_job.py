@@ -19,7 +19,7 @@ from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.worker import Work
 from shoecal_ros.planner import planning_work
 from shoecal_ros.planner.execution import CURE, Execution
-from shoecal_ros.planner.following import JointDeflection
+from shoecal_ros.planner.following import DeflectionCompensation
 from shoecal_ros.planner.order import Mover, Order
 
 FloatArray = NDArray[np.float64]
@@ -107,7 +107,7 @@ class PlanJob:
         times, positions = [np.zeros(0)], [np.zeros((0, len(execution.names)))]
         legs = mover.robot.legs
         names = [mover.robot.joint_names[index] for index in legs]
-        give = JointDeflection(names, mover.moving.give, IDLE_CHUNKS)
+        give = DeflectionCompensation(names, mover.moving.give, IDLE_CHUNKS)
         while targets is None or len(targets):
             start = execution.measured()
             chunk = await execution.planned(partial(self._start_chunk, start, targets))

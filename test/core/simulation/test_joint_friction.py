@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from core.simulation.worlds import PERFECT, World, changed
 from shoecal_core.robot.joint_trajectory import JointTrajectory
-from shoecal_core.simulation.joint_friction import JointFriction, add_bristle
+from shoecal_core.simulation.joint_friction import BristleFriction, add_bristle
 from shoecal_core.simulation.robot import SimulatedRobot
 from shoecal_core.simulation.sampled_robot import draw
 
@@ -42,7 +42,7 @@ class Wheel:
         self.model = spec.compile()
         self.data = mujoco.MjData(self.model)
         friction = np.array([[STATIC, KINETIC]])
-        self.friction = JointFriction(self.model, ("axle",), friction, STRIBECK)
+        self.friction = BristleFriction(self.model, ("axle",), friction, STRIBECK)
 
     def turn(self, speed: float, seconds: float, push: float = 0.0) -> float:
         """Torque that it takes in the end [N m]; a push [N m] comes little by little."""
