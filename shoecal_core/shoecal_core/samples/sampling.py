@@ -107,11 +107,6 @@ def samples_of(read: Read, settings: SampleSettings) -> Samples:
     return replace(samples, notes=(*notes, *missing(samples)))
 
 
-def load_samples(session: Session, runs: Sequence[int], settings: SampleSettings) -> Samples:
-    """Read runs and make samples of them."""
-    return samples_of(read_runs(session, runs), settings)
-
-
 def make_samples(
     read: Sequence[tuple[Run, Aligned]],
     robot: Robot,

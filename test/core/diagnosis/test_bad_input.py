@@ -17,14 +17,16 @@ from shoecal_core.errors import ShoecalError
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import ROBOT, SHOE, Session
 from shoecal_core.samples.samples import Samples
-from shoecal_core.samples.sampling import load_samples
+from shoecal_core.samples.sampling import read_runs, samples_of
 
 SETTINGS = DiagnosisSettings()
 
 
 def samples_of(session: Session, folder: Path, change: Change, runs: int = 3) -> Samples:
     numbers = range(1, runs + 1)
-    return load_samples(rewritten(session, folder / "s", numbers, change), numbers, SETTINGS)
+    return samples_of(
+        read_runs(rewritten(session, folder / "s", numbers, change), numbers), SETTINGS
+    )
 
 
 def as_it_is(run: Run) -> Run:
@@ -85,7 +87,7 @@ def test_what_was_not_recorded_is_told(standard_session: Session, tmp_path: Path
 def test_other_rates(
     standard_session: Session, tmp_path: Path, rate: float, duration: float
 ) -> None:
-    usual = load_samples(standard_session, (1, 2), SETTINGS)
+    usual = samples_of(read_runs(standard_session, (1, 2)), SETTINGS)
     found = samples_of(standard_session, tmp_path, lambda run: resampled(run, rate, duration), 2)
     assert len(found.run) > 0.8 * 2 * duration * SETTINGS.rate_hz
     early = usual.time < duration - 1.0
