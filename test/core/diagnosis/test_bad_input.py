@@ -22,9 +22,9 @@ from shoecal_core.samples.sampling import read_runs, samples_of
 SETTINGS = DiagnosisSettings()
 
 
-def samples_of(session: Session, folder: Path, change: Change, runs: int = 3) -> Samples:
+def changed_samples(session: Session, folder: Path, change: Change, runs: int = 3) -> Samples:
     numbers = range(1, runs + 1)
-    return samples_of(
+    return changed_samples(
         read_runs(rewritten(session, folder / "s", numbers, change), numbers), SETTINGS
     )
 
@@ -78,7 +78,7 @@ def test_a_robot_that_stands_still(standard_session: Session, tmp_path: Path) ->
 
 
 def test_what_was_not_recorded_is_told(standard_session: Session, tmp_path: Path) -> None:
-    notes = " ".join(samples_of(standard_session, tmp_path, as_it_is).notes)
+    notes = " ".join(changed_samples(standard_session, tmp_path, as_it_is).notes)
     for missing in ("/imu", "temperature", "efforts"):
         assert missing in notes
 
@@ -88,7 +88,9 @@ def test_other_rates(
     standard_session: Session, tmp_path: Path, rate: float, duration: float
 ) -> None:
     usual = samples_of(read_runs(standard_session, (1, 2)), SETTINGS)
-    found = samples_of(standard_session, tmp_path, lambda run: resampled(run, rate, duration), 2)
+    found = changed_samples(
+        standard_session, tmp_path, lambda run: resampled(run, rate, duration), 2
+    )
     assert len(found.run) > 0.8 * 2 * duration * SETTINGS.rate_hz
     early = usual.time < duration - 1.0
     for run in (1, 2):
@@ -103,7 +105,7 @@ def test_a_gap_in_time_is_left_out(standard_session: Session, tmp_path: Path) ->
     def gap(run: Run) -> Run:
         return kept(run, lambda time: (time < 10.0) | (time > 15.0))
 
-    found = samples_of(standard_session, tmp_path, gap, 2)
+    found = changed_samples(standard_session, tmp_path, gap, 2)
     assert not ((found.time > 10.2) & (found.time < 14.8)).any()
     assert (found.time > 15.0).any()
     before, after = (found.run == 1) & (found.time < 10.0), (found.run == 1) & (found.time > 15.0)
@@ -113,11 +115,11 @@ def test_a_gap_in_time_is_left_out(standard_session: Session, tmp_path: Path) ->
 @pytest.mark.parametrize("late", [3.0, -4.0])
 def test_clocks_that_disagree(standard_session: Session, tmp_path: Path, late: float) -> None:
     with pytest.raises(ShoecalError, match=r"joints and readings are [34]\.\d s apart"):
-        samples_of(standard_session, tmp_path, lambda run: shifted(run, late))
+        changed_samples(standard_session, tmp_path, lambda run: shifted(run, late))
 
 
 def test_a_late_device_is_no_disagreement(standard_session: Session, tmp_path: Path) -> None:
-    found = samples_of(standard_session, tmp_path, lambda run: shifted(run, 0.2), 2)
+    found = changed_samples(standard_session, tmp_path, lambda run: shifted(run, 0.2), 2)
     assert found.runs == (1, 2)
 
 
@@ -132,7 +134,7 @@ def test_joints_that_broke_off_are_no_disagreement(
                                 effort=None)
         )  # fmt: skip
 
-    found = samples_of(standard_session, tmp_path, broken, 2)
+    found = changed_samples(standard_session, tmp_path, broken, 2)
     assert found.runs == (1, 2)
 
 
@@ -143,7 +145,7 @@ def test_a_run_of_nan(standard_session: Session, tmp_path: Path) -> None:
         readings = run.readings
         return replace(run, readings=replace(readings, value=np.full_like(readings.value, np.nan)))
 
-    found = samples_of(standard_session, tmp_path, silent)
+    found = changed_samples(standard_session, tmp_path, silent)
     assert found.runs == (1, 3)
     assert any("run 2 is left out" in note for note in found.notes)
     assert np.isfinite(first_parameters(found, (1, 3)).gain).all()
@@ -154,4 +156,4 @@ def test_walking_without_a_base_pose(standard_session: Session, tmp_path: Path) 
         return replace(run, info=replace(run.info, support=None))
 
     with pytest.raises(ShoecalError, match="names no double support and has no /base_pose"):
-        samples_of(standard_session, tmp_path, nowhere, 2)
+        changed_samples(standard_session, tmp_path, nowhere, 2)
