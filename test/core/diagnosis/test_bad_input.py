@@ -24,7 +24,7 @@ SETTINGS = DiagnosisSettings()
 
 def changed_samples(session: Session, folder: Path, change: Change, runs: int = 3) -> Samples:
     numbers = range(1, runs + 1)
-    return changed_samples(
+    return samples_of(
         read_runs(rewritten(session, folder / "s", numbers, change), numbers), SETTINGS
     )
 
