@@ -19,10 +19,12 @@ from shoecal_core.diagnosis.answer import (
 )
 from shoecal_core.diagnosis.result import Candidate
 from shoecal_core.diagnosis.scoring import Part
-from shoecal_core.diagnosis.selection import Selection
+from shoecal_core.diagnosis.selection import Selection, taken
 from shoecal_core.diagnosis.settings import DiagnosisSettings
+from shoecal_core.diagnosis.shrink import FORCE_AND_PLACE
 from shoecal_core.diagnosis.tempering import needed, temper
 from shoecal_core.diagnosis.workspace import Workspace
+from shoecal_core.error_sources.signals import COP, GRF
 
 SETTINGS = DiagnosisSettings()
 TILT = {"floor_tilt": [0.03, 0.02]}
@@ -86,6 +88,22 @@ def test_what_test_runs_do_not_confirm_is_not_named(urn: Urn) -> None:
     left, words = borne_out(other, found_in(other, "floor_tilt"), SETTINGS)
     assert left.chosen is None
     assert len(words) == 1
+
+
+def test_a_gap_of_the_force_alone_is_seen_where_the_cop_has_none(urn: Urn) -> None:
+    """Of both together a CoP below its floor would hide it."""
+    label = "span_drift (all)"
+    own = urn.draw(np.random.default_rng(5), {label: [3e-5]}).signal_model.residuals.copy()
+    own[:, COP] *= 0.01
+    drawn = urn.showing(own)
+    chosen = found_in(drawn, label).chosen
+    assert chosen is not None
+    force, place, both = (
+        np.array(taken(drawn, chosen, 0, drawn.test, one)) for one in (GRF, COP, FORCE_AND_PLACE)
+    )
+    assert min(force[:2]) > 0.0
+    assert both[0] < 0.0
+    np.testing.assert_allclose(both, (force + 2.0 * place) / 3.0)
 
 
 def test_what_a_robot_as_built_may_have_is_not_named(urn: Urn) -> None:
