@@ -20,8 +20,7 @@ FloatArray = NDArray[np.float64]
 LEAST_MASS = 0.01
 """Links lighter than this share of the robot are not looked at."""
 FRICTION = (0.05, 0.2)
-"""N m on a robot of `USUAL_WEIGHT`; a torque smaller than this does not say on which side of its
-play a joint lies."""
+"""N m; a torque smaller than this does not say on which side of its play a joint lies."""
 HELD_BY = (0.03, 0.07, 0.15)
 """N m on a robot of `USUAL_WEIGHT`, by which friction holds a joint on its side of the play."""
 
@@ -189,11 +188,12 @@ class Backlash(_Give):
         """By the side to which the torque pushes, at once or over a while; by the one to which it
         last overcame friction; by the one to which friction drags.
         """
-        torque = signal_model.torque / (signal_model.samples.robot.weight / USUAL_WEIGHT)
+        torque = signal_model.torque
         for friction in FRICTION:
             yield self._shape(signal_model, place, "play", 0.5 * np.tanh(torque / friction))
+        scale = signal_model.samples.robot.weight / USUAL_WEIGHT
         for friction in HELD_BY:
-            yield self._shape(signal_model, place, "play", 0.5 * relay(torque, friction))
+            yield self._shape(signal_model, place, "play", 0.5 * relay(torque, scale * friction))
         yield self._shape(signal_model, place, "play", signal_model.samples.dragged)
 
 
