@@ -106,13 +106,13 @@ def borne_out(
         if probable < (LIKELY if index else 1.0 - settings.false_alarms):
             why = f"with {1.0 - probable:.0%} it is an error that any robot may be built with"
         if _judged_by_others(workspace, form):
-            ways = [taken(workspace, chosen, index, workspace.test, part) for part in (GRF, COP)]
-            confirmed = any(min(there, shown) > 0.0 for there, shown, _ in ways)
+            each = taken(workspace, chosen, index, workspace.test, (GRF, COP))
+            confirmed = any(min(there, shown) > 0.0 for there, shown, _ in each)
             if not confirmed or found.predicted[index] < needed(settings):
                 why = "explains training runs, but test runs do not confirm it"
                 # Not that, but something: a robot as built is as improbable as before.
-                there = any(there > 0.0 for there, _, _ in ways)
-                other = max(other, chosen.evidence) if there else other
+                if any(there > 0.0 for there, _, _ in each):
+                    other = max(other, chosen.evidence)
         if why:
             left = replace(without(workspace, found, index), other=other)
             left, others = borne_out(workspace, left, settings)

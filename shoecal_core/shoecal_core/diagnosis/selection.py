@@ -141,7 +141,7 @@ def explains(workspace: Workspace, one: Judged) -> bool:
         return True
     run = one.part[1].shape.run
     if run is not None:
-        there, shown, added = taken(workspace, after, len(after.parts) - 1, (run,))
+        ((there, shown, added),) = taken(workspace, after, len(after.parts) - 1, (run,))
         return shown >= TAKEN_FROM * max(added, there)
     here = np.isin(rows.signal, np.r_[GRF, COP])
     return bool((over - left)[here].sum() >= TAKEN_FROM * over[here].sum())
@@ -176,13 +176,21 @@ def taken(
     scored: Scored,
     index: int,
     runs: Sequence[int],
-    part: slice = FORCE_AND_PLACE,
-) -> tuple[float, float, float]:
-    """Excess of CoP and GRF on some runs without a cause, what it takes of it, and what it adds."""
+    parts: Sequence[slice] = (FORCE_AND_PLACE,),
+) -> list[tuple[float, float, float]]:
+    """Excess of CoP and GRF on some runs without a cause, what it takes of it, and what it adds.
+
+    Args:
+        parts: signals that are judged together, each part by itself.
+    """
     now = workspace.at(scored)
     before, after = now.without(scored, index), now.explained(scored)[0]
-    there = excess(now, before, runs, part)
-    return there, there - excess(now, after, runs, part), squares(now, before - after, runs, part)
+    found = []
+    for part in parts:
+        there = excess(now, before, runs, part)
+        left, added = excess(now, after, runs, part), squares(now, before - after, runs, part)
+        found.append((there, there - left, added))
+    return found
 
 
 def asked_for(workspace: Workspace) -> Selection:

@@ -98,9 +98,8 @@ def test_a_gap_of_the_force_alone_is_seen_where_the_cop_has_none(urn: Urn) -> No
     drawn = urn.showing(own)
     chosen = found_in(drawn, label).chosen
     assert chosen is not None
-    force, place, both = (
-        np.array(taken(drawn, chosen, 0, drawn.test, one)) for one in (GRF, COP, FORCE_AND_PLACE)
-    )
+    parts = (GRF, COP, FORCE_AND_PLACE)
+    force, place, both = np.array(taken(drawn, chosen, 0, drawn.test, parts))
     assert min(force[:2]) > 0.0
     assert both[0] < 0.0
     np.testing.assert_allclose(both, (force + 2.0 * place) / 3.0)
