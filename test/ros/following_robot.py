@@ -14,7 +14,7 @@ from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.shoe.shoe import FEET
 from shoecal_ros.common import qos
-from shoecal_ros.common.conversions import header_to_ros, trajectory_from_ros
+from shoecal_ros.common.conversions import header_to_ros, time_from_ros, trajectory_from_ros
 
 
 class FollowingRobot(StandingRobot):
@@ -24,7 +24,7 @@ class FollowingRobot(StandingRobot):
         leaning: by which its torso pitches beyond what its joints say [rad].
         loaded: which feet its shoes say carry.
         degc: temperature of its right knee's motor [degC].
-        offset: by which its left knee stays off what it is told, until told anew [rad].
+        offset: by which its left knee stays off what it is told, until told to hold [rad].
     """
 
     def __init__(self, world: World, support: DoubleSupport) -> None:
@@ -65,8 +65,11 @@ class FollowingRobot(StandingRobot):
         return self.stamp_ns - self._begun_ns > 1e9 * duration_s
 
     def _follow(self, message: JointTrajectoryMsg) -> None:
-        self._command, self._begun_ns = message, self.stamp_ns
-        self._start, self.offset = self.angles.copy(), 0.0
+        self._command = message
+        self._begun_ns = time_from_ros(message.header.stamp) or self.stamp_ns
+        self._start = self.angles.copy()
+        if len(message.points) == 1:
+            self.offset = 0.0
 
     def _tell(self) -> None:
         if self._command is not None:

@@ -133,12 +133,14 @@ def _commanded(source: RecordedSource, start: int) -> tuple[CommandedTrajectory,
 def _trajectory(message: JointTrajectory, log_time: int, start: int) -> CommandedTrajectory:
     stamp = message.header.stamp.sec * 1_000_000_000 + message.header.stamp.nanosec
     offsets = [point.time_from_start for point in message.points]
+    moving = all(len(point.velocities) == len(message.joint_names) for point in message.points)
     return CommandedTrajectory(
         # By the message's convention a stamp of zero means: start when it arrives.
         start=((stamp or log_time) - start) / 1e9,
         names=tuple(message.joint_names),
         time=np.array([offset.sec + offset.nanosec / 1e9 for offset in offsets]),
         position=np.array([point.positions for point in message.points]),
+        velocity=np.array([point.velocities for point in message.points]) if moving else None,
     )
 
 

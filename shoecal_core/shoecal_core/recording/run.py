@@ -87,16 +87,20 @@ class CommandedTrajectory:
         names: m joints.
         time: (K,) of its points since `start` [s].
         position: (K, m) [rad].
+        velocity: (K, m) [rad/s]; None where the message gives none.
     """
 
     start: float
     names: tuple[str, ...]
     time: Floats
     position: Floats
+    velocity: Floats | None = None
 
     def __post_init__(self) -> None:
         _check_time("trajectory", self.time)
         _check_shape("trajectory.position", self.position, (len(self.time), len(self.names)))
+        if self.velocity is not None:
+            _check_shape("trajectory.velocity", self.velocity, (len(self.time), len(self.names)))
 
 
 @dataclass(frozen=True)

@@ -23,17 +23,19 @@ _SLACK = 1e-6
 
 @dataclass(frozen=True)
 class JointTrajectory:
-    """Points that named joints pass, from rest to rest.
+    """Points that named joints pass.
 
     Attributes:
         names: joints, k of them; joints not named stay where they are.
         times: (T,) since the start of the motion, increasing from 0 or later [s].
         positions: (T, k) [rad].
+        velocities: (T, k) [rad/s]; None: from rest to rest, whatever speeds lie between.
     """
 
     names: tuple[str, ...]
     times: FloatArray
     positions: FloatArray
+    velocities: FloatArray | None = None
 
     def __post_init__(self) -> None:
         if not self.names:
@@ -43,7 +45,10 @@ class JointTrajectory:
         expected = (len(self.times), len(self.names))
         if self.positions.shape != expected:
             raise ShapeError("trajectory positions", str(expected), self.positions.shape)
-        if not (np.isfinite(self.times).all() and np.isfinite(self.positions).all()):
+        if self.velocities is not None and self.velocities.shape != expected:
+            raise ShapeError("trajectory velocities", str(expected), self.velocities.shape)
+        numbers = (self.times, self.positions, self.velocities)
+        if not all(np.isfinite(one).all() for one in numbers if one is not None):
             raise ShoecalError("the trajectory holds numbers that are not finite; plan it again")
         if self.times[0] < 0.0 or np.any(np.diff(self.times) <= 0.0):
             raise ShoecalError("the trajectory's times must increase from 0 s or later")
@@ -70,6 +75,10 @@ class JointTrajectory:
         positions = np.tile(start, (len(self.times), 1))
         columns = [robot.joint(name) for name in self.names]
         positions[:, columns] = self.positions
+        velocities = None
+        if self.velocities is not None:
+            velocities = np.zeros_like(positions)
+            velocities[:, columns] = self.velocities
         _check_limits(robot, positions, columns)
         for shared in robot.shared:
             given = positions[:, shared.joint].copy()
@@ -82,11 +91,27 @@ class JointTrajectory:
                     f"'{robot.joint_names[shared.leader]}' are one motor, yet the trajectory moves "
                     "them differently; send one of them"
                 )
-        times = self.times
-        if times[0] > 0.0:
-            times = np.concatenate(([0.0], times))
-            positions = np.vstack((start, positions))
-        return JointTrajectory(robot.joint_names, times, positions)
+            if velocities is not None:
+                leader = shared.leader if shared.leader in columns else shared.joint
+                ratio = 1.0 if leader == shared.leader else shared.ratio
+                velocities[:, shared.leader] = velocities[:, leader] / ratio
+                velocities[:, shared.joint] = shared.ratio * velocities[:, shared.leader]
+        whole = JointTrajectory(robot.joint_names, self.times, positions, velocities)
+        return whole.begun_at(start)
+
+    def begun_at(self, start: FloatArray) -> JointTrajectory:
+        """The same with a point at time 0: where it has none, joints rest at (k,) [rad] then."""
+        if self.times[0] == 0.0:
+            return self
+        velocities = self.velocities
+        if velocities is not None:
+            velocities = np.vstack((np.zeros_like(start), velocities))
+        return JointTrajectory(
+            self.names,
+            np.concatenate(([0.0], self.times)),
+            np.vstack((start, self.positions)),
+            velocities,
+        )
 
     def at(self, times: FloatArray) -> FloatArray:
         """(..., k) positions [rad] at times (...) [s]; held before the start and after the end."""
@@ -99,9 +124,27 @@ class JointTrajectory:
         """(..., k) velocities [rad/s] at times (...) [s]; zero before the start, after the end."""
         if len(self.times) == 1:
             return np.zeros((*np.shape(times), len(self.names)))
-        # At both ends they are zero, as they are beyond.
+        within = (self.times[0] <= times) & (times <= self.times[-1])
         rates: FloatArray = self._curve(np.clip(times, self.times[0], self.times[-1]), nu=1)
+        rates *= np.asarray(within)[..., None]
         return rates
+
+    def peaks(self) -> tuple[FloatArray, FloatArray]:
+        """(k,) largest speed [rad/s] and acceleration [rad/s^2] of each joint, between the points.
+
+        Those of the cubic through them, which is what `at` gives.
+        """
+        if len(self.times) == 1:
+            return np.zeros(len(self.names)), np.zeros(len(self.names))
+        cubic, square, slope = self._curve.c[:3]
+        length = np.diff(self.times)[:, None]
+        # Acceleration is even along a piece, so its largest is at an end, and speed has its own
+        # where acceleration passes zero, or at an end.
+        accelerations = np.abs((2.0 * square, 6.0 * cubic * length + 2.0 * square)).max(axis=0)
+        turn = np.divide(-square, 3.0 * cubic, out=np.zeros_like(square), where=cubic != 0.0)
+        places = np.stack((np.zeros_like(turn), length + 0.0 * turn, np.clip(turn, 0.0, length)))
+        speeds = np.abs(slope + places * (2.0 * square + places * 3.0 * cubic)).max(axis=0)
+        return speeds.max(axis=0), accelerations.max(axis=0)
 
     @cached_property
     def _curve(self) -> CubicHermiteSpline:
@@ -109,7 +152,9 @@ class JointTrajectory:
         from scipy.interpolate import CubicHermiteSpline, PchipInterpolator  # noqa: PLC0415
 
         # Monotone between points: no joint swings beyond what was planned.
-        if len(self.times) == 2:
+        if self.velocities is not None:
+            slopes = self.velocities
+        elif len(self.times) == 2:
             slopes = np.zeros_like(self.positions)
         else:
             slopes = PchipInterpolator(self.times, self.positions)(self.times, nu=1)

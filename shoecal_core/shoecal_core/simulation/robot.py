@@ -208,15 +208,20 @@ class SimulatedRobot:
         self._acting = [*self._always, *disturbances]
         self._disturb()
 
-    def command(self, trajectory: JointTrajectory) -> None:
+    def command(self, trajectory: JointTrajectory, begun_s: float = 0.0) -> None:
         """Follow a trajectory from now on, and hold its last point.
+
+        Args:
+            trajectory: of some joints.
+            begun_s: since when it should have been followed [s].
 
         Raises:
             NameNotFoundError: for a joint that the robot does not have.
             ShoecalError: for positions beyond a joint's limits, or two for one motor.
         """
         command = trajectory.full(self.robot, self._set_points.at_step(self._steps))
-        self._set_points = SetPoints(command, self._steps, self.drawn.rules.step_s)
+        step_s = self.drawn.rules.step_s
+        self._set_points = SetPoints(command, self._steps - round(begun_s / step_s), step_s)
 
     def step_to(self, time: float) -> None:
         """Run the physics up to the last step that is not after a time [s].

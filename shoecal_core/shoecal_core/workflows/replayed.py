@@ -83,7 +83,9 @@ def replay(run: Run, robot: Robot, shoe: Shoe, drawn: SampledRobot, begun: float
         while pending and pending[0].start <= instant:
             command = pending.pop(0)
             sim.step_to(start + command.start)
-            sim.command(JointTrajectory(command.names, command.time, command.position))
+            sim.command(
+                JointTrajectory(command.names, command.time, command.position, command.velocity)
+            )
         sim.step_to(start + instant)
         sim.check_upright()
         snapshots.append(sim.snapshot())

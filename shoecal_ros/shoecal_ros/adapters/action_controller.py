@@ -13,9 +13,8 @@ from rclpy.node import Node
 from rclpy.task import Future
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
-from shoecal_core.errors import ShoecalError
-from shoecal_ros.adapters.controller import FOUND_S, Controller, absent
-from shoecal_ros.adapters.goal import PATIENCE_S, AllGoals, Goal
+from shoecal_ros.adapters.controller import Controller, absent
+from shoecal_ros.adapters.goal import PATIENCE_S, Goal
 from shoecal_ros.common.codes import Code, Problem
 
 
@@ -40,8 +39,6 @@ class ActionController(Controller):
         self._unanswered = 0
         self._stopped_s = math.inf
         self._goals: list[Goal] = []
-        self._all_to_end_until_s = -math.inf
-        self._all_goals = AllGoals(node, self._client, self._action)
         self._refusal: Problem | None = None
 
     @property
@@ -52,7 +49,7 @@ class ActionController(Controller):
     @property
     def trouble(self) -> Problem | None:
         """It goes on with what it should end, refuses or gives up."""
-        if any(goal.overdue for goal in self._to_watch):
+        if any(goal.overdue for goal in self._goals):
             return Problem(
                 Code.CONTROLLER_GOES_ON,
                 f"{self._name} was asked to stop and goes on; use the robot's emergency stop, or "
@@ -63,10 +60,6 @@ class ActionController(Controller):
     def send(self, message: JointTrajectoryMsg, duration_s: float) -> None:
         """Send a goal; it ends the one before."""
         del duration_s
-        # It would be cancelled, too; or refused while an unsupervised goal goes on.
-        if self._all_goals.ending or time.monotonic() < self._all_to_end_until_s:
-            raise ShoecalError("what was under way before is being stopped; send it again")
-        self._all_goals.give_way()
         self._refusal, self._stopped_s = None, math.inf
         self._newest += 1
         number = self._newest
@@ -83,11 +76,6 @@ class ActionController(Controller):
             goal.cancel()
         self.watch()
 
-    def stop_everything(self) -> None:
-        """Cancel all goals, if the controller is there or is found soon."""
-        self._all_to_end_until_s = time.monotonic() + FOUND_S
-        self.watch()
-
     def watch(self) -> None:
         """Cancel again what has not ended."""
         now = time.monotonic()
@@ -95,25 +83,14 @@ class ActionController(Controller):
             if self._unanswered and now - self._stopped_s > PATIENCE_S:
                 # Accepted or not: the answer may be lost.
                 self._unanswered, self._stopped_s = 0, math.inf
-                self._all_to_end_until_s = math.inf
-            if now < self._all_to_end_until_s:
-                self._all_to_end_until_s = -math.inf
-                self._all_goals.cancel()
-            for goal in self._to_watch:
+            for goal in self._goals:
                 goal.watch()
-        else:
-            # It is another one that comes: what that does is somebody else's business.
-            self._all_goals.forget()
         self._goals = [goal for goal in self._goals if not goal.ended]
 
     @property
     def busy(self) -> bool:
         """Whether a goal has not been answered to, or is to end."""
-        return self._unanswered > 0 or any(goal.ending for goal in self._to_watch)
-
-    @property
-    def _to_watch(self) -> list[Goal]:
-        return [*self._goals, self._all_goals]
+        return self._unanswered > 0 or any(goal.ending for goal in self._goals)
 
     def _answered(self, number: int, future: Future) -> None:
         self._unanswered = max(0, self._unanswered - 1)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from abc import abstractmethod
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,23 +15,39 @@ from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
 from shoecal_core.errors import ShoecalError
 from shoecal_core.robot.joint_trajectory import JointTrajectory
+from shoecal_core.settings import Settings, setting
 from shoecal_ros.adapters.controller import FOUND_S
-from shoecal_ros.adapters.unwatched import Unwatched
+from shoecal_ros.adapters.stream import PEAK, STOP_S
 from shoecal_ros.common import qos
 from shoecal_ros.common.codes import Code, Problem, joined
-from shoecal_ros.common.conversions import trajectory_from_ros
+from shoecal_ros.common.conversions import time_from_ros, trajectory_from_ros
 from shoecal_ros.common.health import Condition, Level
 from shoecal_ros.common.hold import LONGEST_S, is_hold
 from shoecal_ros.common.node import ShoecalNode
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.inputs.armed_input import SHORT_LEASE_S, ArmedInput
-from shoecal_ros.inputs.joints import JointInput
+from shoecal_ros.inputs.joints import JointBatch, JointInput
 
 FloatArray = NDArray[np.float64]
 STALE_S = 0.5
 NOT_HEARD = "not armed: no node publishes whether it is"
+OLDEST_S = 0.2
+"""An older command is of a time when nobody knows what it was meant for."""
 REPORTED_S = 10.0
 """For so long it is reported that a trajectory was refused."""
+
+
+@dataclass(frozen=True)
+class GateSettings(Settings):
+    """What no trajectory may exceed, whoever sends it."""
+
+    joint_speed: float = setting(
+        1.0, "rad/s", "a trajectory with a faster joint is refused; planned ones stay below 0.4",
+        minimum=1e-3,
+    )  # fmt: skip
+    joint_acceleration: float = setting(
+        20.0, "rad/s^2", "likewise of its acceleration; planned ones stay below 4", minimum=1e-3
+    )
 
 
 class Adapter(ShoecalNode):
@@ -39,7 +56,6 @@ class Adapter(ShoecalNode):
     Nothing is sent before somebody has armed the robot. A robot on its way that is armed no more is
     stopped by the adapter itself, once; a command to hold, which the node that disarms a moving
     robot sends just after that, only lets it do so at once: its angles do not count then.
-    What an adapter before this one may have sent to a robot that is armed already is stopped, too.
 
     Attributes:
         robot: whose joints are commanded.
@@ -49,11 +65,11 @@ class Adapter(ShoecalNode):
     def __init__(self, name: str) -> None:
         super().__init__(name)
         self.robot = self.settings(RobotFiles).load_robot()
+        self._gate = self.settings(GateSettings)
         senders = self.peers.expect_one_sender("joint_states")
         self.joints = JointInput(self.robot, STALE_S, senders=senders)
         self.subscribe(JointState, "joint_states", self._hear, qos.NEWEST)
         self._arming = ArmedInput(self, lease_s=SHORT_LEASE_S)
-        self._unwatched = Unwatched(self, self._arming)
         self._moves = False
         self._disarmings = 0
         self._begun_s = self.now_s
@@ -84,30 +100,19 @@ class Adapter(ShoecalNode):
         """What the robot's side does that it should not."""
         return None
 
-    def stop_unwatched(self) -> None:
-        """Stop what the robot does without this adapter; nothing where it takes set points."""
-
     def watch(self) -> None:
         """Stop what may move no more, and report how things are."""
         armed = self._arming.armed
         # Armed again is not allowed to go on: who disarms and arms at once wants it stopped, too.
         if not armed or self._arming.disarmings != self._disarmings:
             self._stop()
-        if self._unwatched.to_be_stopped():
-            self.stop_unwatched()
-        known = armed or self._unwatched.judged
-        well = "armed" if armed else "not armed" if known else NOT_HEARD
+        well = "armed" if armed else "not armed" if self._arming.heard else NOT_HEARD
         self.health.note("robot", self._condition(well))
         super().watch()
 
     def close(self) -> None:
         """Leave no robot on its way."""
         self._stop()
-
-    def go_on(self) -> None:
-        """The robot goes on with the motion before: it did not take the last command."""
-        self._moves = True
-        self._unwatched.come_back()
 
     def _condition(self, well: str) -> Condition:
         """What lasts stands before what has happened."""
@@ -147,14 +152,14 @@ class Adapter(ShoecalNode):
     def _take(self, messages: list[Any]) -> None:
         for message in messages:
             try:
-                self._admit(trajectory_from_ros(message))
+                self._admit(trajectory_from_ros(message), time_from_ros(message.header.stamp))
                 self._accepted += 1
                 self._refused_s = -math.inf
             except ShoecalError as error:
                 self._refused += 1
                 self._refused_s, self._refusal = self.now_s, f"trajectory refused: {error}"
 
-    def _admit(self, trajectory: JointTrajectory) -> None:
+    def _admit(self, trajectory: JointTrajectory, stamp_ns: int) -> None:
         if self._arming.disarmings != self._disarmings:
             # Even if it may move again by now, and the new one be refused.
             self._stop()
@@ -171,15 +176,46 @@ class Adapter(ShoecalNode):
                 raise ShoecalError("not armed: call the service shoe/arm first")
             self._stop()
             return
+        self._check_age(stamp_ns, latest)
         # Who sends two angles for one motor, or some beyond its limits, is refused here.
-        trajectory.full(self.robot, measured)
+        self._check_rates(trajectory.full(self.robot, measured), measured)
         if missing := self.missing:
             if holds:
                 self._stop()
             raise ShoecalError(missing)
         self.follow(trajectory, measured)
-        self._unwatched.replace()
         # What holds some joints, or takes long, is a motion that may have to be stopped.
         moved = {self.robot.joint_names[joint] for joint in self.robot.moved}
         rests = holds and moved <= set(trajectory.names) and trajectory.duration <= LONGEST_S
         self._moves, self._disarmings = not rests, self._arming.disarmings
+
+    def _check_age(self, stamp_ns: int, latest: JointBatch) -> None:
+        """Refuse what waited on its way here, as after a sleep of this process or another.
+
+        A stamp is of the clock of `joint_states`; none stands for a command of this moment.
+        """
+        age_s = (int(latest.stamp_ns[0]) - stamp_ns) / 1e9 + self.joints.heard.age_s
+        if stamp_ns and age_s > OLDEST_S:
+            raise ShoecalError(
+                f"it is {age_s:.2f} s old by its stamp (at most {OLDEST_S:g} s); see that the "
+                "computer is not overloaded and that stamps are of the clock of joint_states"
+            )
+
+    def _check_rates(self, trajectory: JointTrajectory, measured: FloatArray) -> None:
+        """Refuse what is too fast for any motion of shoecal, its begin at (m,) [rad] included."""
+        speeds, accelerations = trajectory.peaks()
+        # Where it begins elsewhere, joints pass over to it.
+        speeds = np.maximum(speeds, PEAK * np.abs(trajectory.positions[0] - measured) / STOP_S)
+        gate, limits = self._gate, self.robot.velocity_limit
+        fastest = np.where(limits > 0.0, np.minimum(limits, gate.joint_speed), gate.joint_speed)
+        hardest = np.full_like(fastest, gate.joint_acceleration)
+        for what, unit, reached, most in (
+            ("speed", "rad/s", speeds, fastest),
+            ("acceleration", "rad/s^2", accelerations, hardest),
+        ):
+            joint = int(np.argmax(reached / most))
+            if reached[joint] > most[joint]:
+                raise ShoecalError(
+                    f"joint '{self.robot.joint_names[joint]}' would reach {reached[joint]:.3g} "
+                    f"{unit} (joint_{what} {most[joint]:.3g} {unit}); send a slower motion"
+                )

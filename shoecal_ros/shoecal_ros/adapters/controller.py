@@ -38,10 +38,6 @@ class Controller(ABC):
         """Let the robot stay where it is, if it is on its way."""
 
     @abstractmethod
-    def stop_everything(self) -> None:
-        """Stop also what somebody else has sent, now or as soon as that can be within FOUND_S."""
-
-    @abstractmethod
     def watch(self) -> None:
         """Do what is left to be done; to be called again and again."""
 

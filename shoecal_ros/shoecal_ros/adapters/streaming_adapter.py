@@ -9,8 +9,11 @@ from collections.abc import Sequence
 from rclpy.publisher import Publisher
 
 from shoecal_core.robot.joint_trajectory import JointTrajectory
-from shoecal_ros.adapters.adapter import Adapter, FloatArray
+from shoecal_ros.adapters.adapter import OLDEST_S, Adapter, FloatArray
 from shoecal_ros.adapters.stream import Stream
+
+ASLEEP_S = OLDEST_S
+"""A driver that is sent nothing for so long has come to rest at the last set point."""
 
 
 class StreamingAdapter(Adapter):
@@ -20,6 +23,7 @@ class StreamingAdapter(Adapter):
         super().__init__(name)
         self._stream = Stream(self.robot)
         self._period_s = 0.0
+        self._looked_s = self.now_s
 
     def send_at(self, rate: float) -> None:
         """Begin to send set points this often [Hz]."""
@@ -49,7 +53,10 @@ class StreamingAdapter(Adapter):
             time.sleep(self._period_s)
 
     def _send(self) -> None:
-        angles = self._stream.at(self.now_s)
+        looked_s, self._looked_s = self._looked_s, self.now_s
+        if self._looked_s - looked_s > ASLEEP_S:
+            self._stream.rest(looked_s, self._looked_s)
+        angles = self._stream.at(self._looked_s)
         if angles is not None:
             self.send(self._stream.names, angles)
 

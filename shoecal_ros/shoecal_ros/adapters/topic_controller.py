@@ -56,12 +56,8 @@ class TopicController(Controller):
         """Hold, where it may be on its way."""
         if time.monotonic() < self._until_s:
             self._until_s = -math.inf
-            self.stop_everything()
-
-    def stop_everything(self) -> None:
-        """Hold, if there is somebody who listens and joint angles are known, now or soon."""
-        self._hold_until_s = time.monotonic() + FOUND_S
-        self.watch()
+            self._hold_until_s = time.monotonic() + FOUND_S
+            self.watch()
 
     def watch(self) -> None:
         """Hold where that could not be before."""

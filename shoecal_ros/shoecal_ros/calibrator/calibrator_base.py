@@ -139,7 +139,9 @@ class CalibratorBase(ShoecalNode):
         self.kinematics = Kinematics(self.robot)
         silent_s = settings.live_stale_s
         senders = self.peers.expect_one_sender(relative(schemas.JOINT_STATES))
-        self.joints = JointInput(self.robot, settings.stale_s, silent_s=silent_s, senders=senders)
+        self.joints = JointInput(
+            self.robot, settings.stale_s, self.awake, silent_s=silent_s, senders=senders
+        )
         self.cells = CellWatch(self.shoe)
         of_foot = [self.shoe.of_foot(foot) for foot in range(len(FEET))]
         self.voltages = VoltageInput(

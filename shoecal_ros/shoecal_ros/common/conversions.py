@@ -176,15 +176,26 @@ def trajectory_to_ros(trajectory: JointTrajectory, stamp_ns: int = 0) -> JointTr
     message = JointTrajectoryMsg()
     message.header = header_to_ros(stamp_ns)
     message.joint_names = list(trajectory.names)
+    velocities = trajectory.velocities
+    none = np.empty((len(trajectory.times), 0))
     message.points = [
-        JointTrajectoryPoint(positions=_doubles(row), time_from_start=duration_to_ros(time))
-        for time, row in zip(trajectory.times.tolist(), trajectory.positions, strict=True)
+        JointTrajectoryPoint(
+            positions=_doubles(row),
+            velocities=_doubles(speeds),
+            time_from_start=duration_to_ros(time),
+        )
+        for time, row, speeds in zip(
+            trajectory.times.tolist(),
+            trajectory.positions,
+            none if velocities is None else velocities,
+            strict=True,
+        )
     ]
     return message
 
 
 def trajectory_from_ros(message: JointTrajectoryMsg) -> JointTrajectory:
-    """A trajectory of a message.
+    """A trajectory of a message; velocities count where every point has them.
 
     Raises:
         ShoecalError: for points of other lengths than there are joints, times that do not
@@ -198,7 +209,11 @@ def trajectory_from_ros(message: JointTrajectoryMsg) -> JointTrajectory:
             "positions; correct its sender"
         )
     times = np.array([time_from_ros(point.time_from_start) for point in message.points])
-    return JointTrajectory(names, times / SECOND_NS, np.stack(rows))
+    speeds = [np.array(point.velocities) for point in message.points]
+    moving = all(speed.shape == (len(names),) for speed in speeds)
+    return JointTrajectory(
+        names, times / SECOND_NS, np.stack(rows), np.stack(speeds) if moving else None
+    )
 
 
 # Forces and places

@@ -27,6 +27,7 @@ from rclpy.timer import Timer
 
 from shoecal_core.settings import SettingError, Settings, describe, from_values
 from shoecal_ros.common import qos
+from shoecal_ros.common.awake_clock import AwakeClock
 from shoecal_ros.common.callback_lock import CallbackLock
 from shoecal_ros.common.graph_monitor import GraphMonitor
 from shoecal_ros.common.health import Health, Level
@@ -63,6 +64,7 @@ class ShoecalNode(Node):
 
     Attributes:
         health: published once a second and at every change.
+        awake: clock of all that is waited for.
         peers: who else is on the node's topics.
         turn: held by whichever thread runs a callback.
         quick: subscriptions that do not wait for the rest of the node.
@@ -73,6 +75,7 @@ class ShoecalNode(Node):
     def __init__(self, name: str) -> None:
         super().__init__(name)
         self.health = Health()
+        self.awake = AwakeClock()
         self.turn = CallbackLock()
         self.realtime = RealtimeExecutor(self, self.turn)
         self.mirror = ""
@@ -91,6 +94,7 @@ class ShoecalNode(Node):
 
     def watch(self) -> None:
         """Called every WATCH_S of wall-clock time, whatever simulated time does."""
+        self.awake()
         self.peers.watch()
         self.health.note("peers", self.peers.condition)
         self.health.note("nodes", self._liveness.condition)

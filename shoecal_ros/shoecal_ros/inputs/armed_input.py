@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from typing import Any
 
@@ -15,8 +14,6 @@ LEASE_S = 2.0
 """Who says again and again that the robot is armed has gone when it does not for that long."""
 SHORT_LEASE_S = 0.4
 """The same, for who would let a robot go on otherwise."""
-QUIET_S = 0.5
-"""Who takes that back after so long without a word of it is another one, started meanwhile."""
 
 
 class ArmedInput:
@@ -26,20 +23,21 @@ class ArmedInput:
     said while the robot is armed, and that lapses when it falls silent.
 
     Attributes:
+        heard: whether anybody has said so or otherwise.
         reported: whether the last word was that it may, be who said it still there or not.
-        taken_over: whether somebody else took it back, who knows of no motion that is under way.
         disarmings: how often it was taken back: who might move before may not do so again.
     """
 
     def __init__(
         self,
         node: ShoecalNode,
-        clock: Callable[[], float] = time.monotonic,
+        clock: Callable[[], float] | None = None,
         lease_s: float = LEASE_S,
     ) -> None:
-        self.reported = self._repeats = self.taken_over = False
+        self.heard = self.reported = self._repeats = False
         self.disarmings = 0
-        self._clock = clock
+        # Who was asleep itself has heard nobody, and nobody has gone for that.
+        self._clock = clock or node.awake
         self._lease_s = lease_s
         self._heard_at = 0.0
         self._subscription = node.subscribe(Bool, "shoe/armed", self._hear, qos.ARMED)
@@ -60,9 +58,6 @@ class ArmedInput:
     def _hear(self, messages: list[Any]) -> None:
         for message in messages:
             self.disarmings += self.reported and not message.data
-            now = self._clock()
-            quiet = self._repeats and now - self._heard_at > QUIET_S
-            self.taken_over = not message.data and (quiet or self.taken_over)
             self._repeats = message.data and (self.reported or self._repeats)
-            self.reported = message.data
-            self._heard_at = now
+            self.heard, self.reported = True, message.data
+            self._heard_at = self._clock()

@@ -18,7 +18,6 @@ from shoecal_ros.calibrator.calibration_server import CalibrationServer
 from shoecal_ros.calibrator.calibrator_base import CalibratorBase
 from shoecal_ros.calibrator.diagnosis_server import DiagnosisServer
 from shoecal_ros.calibrator.drift_watch import DriftMonitor
-from shoecal_ros.calibrator.halt import Halt
 from shoecal_ros.calibrator.live import FootFlags
 from shoecal_ros.calibrator.live_publishers import LivePublishers
 from shoecal_ros.calibrator.raw_topics import RAW_TOPICS, relative
@@ -52,7 +51,6 @@ class CalibratorNode(CalibratorBase):
         self._subscribe()
         self._self_calibration = SelfCalibrationServer(self, self._calibrations)
         self._diagnoses = DiagnosisServer(self)
-        self._halt = Halt(self, self.arming)
 
     def watch(self) -> None:
         """Report the condition of everything."""
@@ -65,7 +63,6 @@ class CalibratorNode(CalibratorBase):
         self.health.note("diagnosis", self._diagnoses.condition)
         self._drift.watch()
         self._publish_state()
-        self._halt.watch()
         super().watch()
 
     def close(self) -> None:
@@ -95,7 +92,6 @@ class CalibratorNode(CalibratorBase):
         for stamp_ns, angles in zip(batch.stamp_ns.tolist(), batch.angles, strict=True):
             self.stillness.add(stamp_ns, angles)
         self._rezeroing.take_joints(batch)
-        self._halt.receive(batch)
         # Here, so that readings need not wait for it.
         self._states = self.kinematics.states(batch.angles[-1:])
         self._support = self._states.support()

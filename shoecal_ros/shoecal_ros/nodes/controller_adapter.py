@@ -12,16 +12,18 @@ from shoecal_core.errors import ShoecalError
 from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.settings import Settings, setting
 from shoecal_ros.adapters.action_controller import ActionController
-from shoecal_ros.adapters.adapter import Adapter, FloatArray
+from shoecal_ros.adapters.adapter import OLDEST_S, Adapter, FloatArray
 from shoecal_ros.adapters.controller import Controller
 from shoecal_ros.adapters.foreign import foreign
-from shoecal_ros.adapters.renewal import PERIOD_S, Renewal
 from shoecal_ros.adapters.topic_controller import TopicController
 from shoecal_ros.common.codes import Problem
 from shoecal_ros.common.conversions import trajectory_to_ros
 from shoecal_ros.common.hold import STOP_TIME_S, hold
 from shoecal_ros.common.process import run
+from shoecal_ros.common.renewal import TIMEOUT_S, Renewal
 
+LOOK_S = 0.05
+"""From one look whether the next piece is due to the next."""
 LAST_WORDS_S = 1.0
 """In which the controller gets to hear the last command, and to do it."""
 
@@ -48,7 +50,12 @@ class ControllerSettings(Settings):
 
 
 class ControllerAdapter(Adapter):
-    """Sends trajectories in short goals, each of which replaces the last; see Renewal."""
+    """Sends trajectories in short goals, each of which replaces the last; see Renewal.
+
+    The planner's are short already, and pass as they are. A goal begins when the controller takes
+    it: one that comes earlier or later than the last by some milliseconds shifts set points by as
+    much of their way.
+    """
 
     def __init__(self) -> None:
         super().__init__("controller_adapter")
@@ -58,7 +65,8 @@ class ControllerAdapter(Adapter):
         self._closes = False
         self._controller = self._reach(settings.interface, settings.controller)
         self._renewal: Renewal | None = None
-        self.wall_timer(PERIOD_S, self._renew)
+        self._begun_s = 0.0
+        self.wall_timer(LOOK_S, self._renew)
 
     @property
     def missing(self) -> str:
@@ -75,24 +83,20 @@ class ControllerAdapter(Adapter):
         if self._closes:
             raise ShoecalError("this adapter ends; start it again")
         whole = self._with_others(trajectory, measured)
+        if len(whole.times) == 1 and whole.duration <= TIMEOUT_S:
+            # A command to hold: from where the joints are the controller knows best.
+            self._renewal = None
+            self._controller.send(trajectory_to_ros(whole), whole.duration)
+            return
         start = measured[[self.robot.joint(name) for name in whole.names]]
-        renewal = Renewal(whole, start, self.now_s)
+        renewal, self._begun_s = Renewal(whole.begun_at(start)), self.now_s
         self._send(renewal)
-        self._renewal = None if renewal.done else renewal
+        self._renewal = renewal
 
     def stop(self) -> None:
         """Cancel the goal, or hold."""
         self._renewal = None
         self._controller.stop()
-
-    def go_on(self) -> None:
-        """The controller refused a goal: it comes to rest at the end of the one before."""
-        self._renewal = None
-        super().go_on()
-
-    def stop_unwatched(self) -> None:
-        """Cancel every goal, or hold: a controller goes on to the end of what it was sent."""
-        self._controller.stop_everything()
 
     def watch(self) -> None:
         """See to it that the controller does what it was commanded, too."""
@@ -112,40 +116,40 @@ class ControllerAdapter(Adapter):
         if interface == "topic":
             return TopicController(self, name, self._held)
         kind = foreign("control_msgs", "action", "FollowJointTrajectory")
-        return ActionController(self, kind, name, self.go_on)
+        return ActionController(self, kind, name, self._give_up)
+
+    def _give_up(self) -> None:
+        """The controller refused a goal: it comes to rest at the end of the one before."""
+        self._renewal = None
 
     def _renew(self) -> None:
         """Send the next goal while the robot may move."""
-        if self._renewal is None:
-            return
-        try:
+        if self._renewal is not None and self._renewal.due(self.now_s - self._begun_s):
             self._send(self._renewal)
-        except ShoecalError:
-            # What is under way is being stopped.
-            self._renewal = None
-        else:
-            self._renewal = None if self._renewal.done else self._renewal
 
     def _send(self, renewal: Renewal) -> None:
-        goal = renewal.goal(self.now_s)
+        goal = renewal.piece(self.now_s - self._begun_s)
         self._controller.send(trajectory_to_ros(goal), goal.duration)
 
     def _held(self) -> JointTrajectoryMsg | None:
         latest = self.joints.latest
-        if latest is None:
+        if latest is None or self.joints.heard.age_s > OLDEST_S:
+            # What was sent ends at rest by itself; a posture of before would be a way back.
             return None
         measured = latest.angles[0]
-        # Back to where they were when last reported, no faster than they went on meanwhile.
-        command = hold(self.robot, measured, STOP_TIME_S + self.joints.heard.age_s)
+        command = hold(self.robot, measured, STOP_TIME_S)
         return trajectory_to_ros(self._with_others(command, measured))
 
     def _with_others(self, trajectory: JointTrajectory, measured: FloatArray) -> JointTrajectory:
         added = [(name, joint) for name, joint in self._others if name not in trajectory.names]
         still = np.tile([measured[joint] for _, joint in added], (len(trajectory.times), 1))
+        still = still.reshape(len(trajectory.times), -1)
+        velocities = trajectory.velocities
         return JointTrajectory(
             (*trajectory.names, *(name for name, _ in added)),
             trajectory.times,
-            np.hstack([trajectory.positions, still.reshape(len(trajectory.times), -1)]),
+            np.hstack([trajectory.positions, still]),
+            None if velocities is None else np.hstack([velocities, np.zeros_like(still)]),
         )
 
 

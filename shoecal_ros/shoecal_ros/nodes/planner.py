@@ -31,6 +31,7 @@ from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.common.worker import Worker
 from shoecal_ros.inputs.imu import ImuInput
 from shoecal_ros.inputs.joints import JointInput
+from shoecal_ros.inputs.robot_time import RobotTime
 from shoecal_ros.inputs.shoe_reports import ShoeReports
 from shoecal_ros.inputs.temperatures import TemperatureInput
 from shoecal_ros.planner import heat, planning_work
@@ -62,7 +63,8 @@ class PlannerNode(ShoecalNode):
         self.robot = self.files.load_robot()
         self.kinematics = Kinematics(self.robot)
         senders = self.peers.expect_one_sender("joint_states")
-        self.joints = JointInput(self.robot, self.moving.stale_s, senders=senders)
+        self.joints = JointInput(self.robot, self.moving.stale_s, self.awake, senders=senders)
+        self.robot_time = RobotTime(simulated=self.simulated)
         self.arming = Arming(self.moving.arm_timeout_s, time.monotonic)
         self.worker = Worker(self.wake)
         self._prepared = self.worker.do(planning_work.prepare, self.files, self.planning)
@@ -86,12 +88,14 @@ class PlannerNode(ShoecalNode):
         ]
 
     def _hear(self, messages: list[Any]) -> None:
-        self.joints.take(messages)
+        if (batch := self.joints.take(messages)) is not None:
+            self.robot_time.note(int(batch.stamp_ns[-1]))
 
     def _listen(self) -> Senses:
         """To what is watched in addition to the joints, where it comes."""
-        imu, temperatures = ImuInput(self.robot), TemperatureInput(self.robot)
-        shoes = ShoeReports(lambda: states.get_publisher_count() > 0)
+        imu = ImuInput(self.robot, self.awake)
+        temperatures = TemperatureInput(self.robot, self.awake)
+        shoes = ShoeReports(lambda: states.get_publisher_count() > 0, self.awake)
         self.subscribe(Imu, "imu", imu.take, qos.EITHER)
         self.subscribe(Temperature, "joint_temperatures", temperatures.take, qos.EITHER)
         self.subscribe(DiagnosticArray, "diagnostics", temperatures.take_diagnostics, qos.EITHER)
@@ -102,9 +106,9 @@ class PlannerNode(ShoecalNode):
         states = self.subscribe(ShoeState, "shoe/state", shoes.take_states, qos.LATCHED)
         return Senses(imu, shoes, temperatures, self.kinematics, self.moving)
 
-    def command(self, trajectory: JointTrajectory) -> None:
-        """Send a trajectory to the robot, to be followed from now on."""
-        self._command.publish(trajectory_to_ros(trajectory))
+    def command(self, trajectory: JointTrajectory, stamp_ns: int = 0) -> None:
+        """Send a trajectory to the robot that begins at a stamp [ns]; zero: on receipt."""
+        self._command.publish(trajectory_to_ros(trajectory, stamp_ns))
 
     def watch(self) -> None:
         """Disarm what is not in use, and report the condition of joints and planning."""

@@ -32,6 +32,7 @@ from shoecal_ros.common.actions import FEEDBACK_S, answered
 from shoecal_ros.common.codes import Code
 from shoecal_ros.common.conversions import (
     support_from_ros,
+    time_from_ros,
     time_to_ros,
     trajectory_from_ros,
 )
@@ -203,7 +204,9 @@ class SimulatorNode(ShoecalNode):
                     raise ShoecalError("the robot is being placed; send the trajectory afterwards")
                 trajectory = trajectory_from_ros(message)
                 if self._is_armed:
-                    self._body.robot.command(trajectory)
+                    stamp_ns = time_from_ros(message.header.stamp)
+                    begun_s = (self._body.now_ns - stamp_ns) / 1e9 if stamp_ns else 0.0
+                    self._body.robot.command(trajectory, max(0.0, begun_s))
                     self._moves = True
                 else:
                     self._stop(trajectory)

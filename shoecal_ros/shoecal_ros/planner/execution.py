@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable
 from typing import TypeVar
 
@@ -23,6 +24,7 @@ from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_ros.common.actions import FEEDBACK_S
 from shoecal_ros.common.hold import hold
 from shoecal_ros.common.refusal import RefusedError
+from shoecal_ros.common.renewal import TIMEOUT_S, Renewal
 from shoecal_ros.common.waiting import until
 from shoecal_ros.common.worker import Work
 from shoecal_ros.inputs.joints import JointBatch
@@ -36,6 +38,9 @@ R = TypeVar("R")
 
 ANSWER_S = 30.0
 """Wall-clock time in which cancelled planning must end."""
+HELD_UP = 2.0
+"""Times TIMEOUT_S without a new piece end a motion: the robot has rested for a while by then, and
+who was away for so long does not know what has become of it."""
 CURE = "see that the robot's motors are on and that it listens to joint_trajectory"
 
 _CODES: tuple[tuple[type[ShoecalError], int], ...] = (
@@ -158,6 +163,8 @@ class Execution:
     async def follow(self, trajectory: JointTrajectory, motion: Motion) -> None:
         """Send a trajectory and watch it done; whatever goes wrong stops the robot gently.
 
+        It is sent piece by piece (`Renewal`), each after the robot was seen to be well.
+
         Args:
             trajectory: as it is sent.
             motion: as it was planned.
@@ -169,8 +176,11 @@ class Execution:
         planned = JointTrajectory(motion.joint_names, motion.time, motion.positions)
         seen = self._latest()
         # By the stamps of the joint angles: whose clock they follow does not matter then.
-        follower = Follower(planned, int(seen.stamp_ns[0]), moving.follow_error, moving.follow_late)
-        part = StreamedPart(motion, follower, seen)
+        renewal = Renewal(trajectory)
+        follower = Follower(
+            planned, renewal, int(seen.stamp_ns[0]), moving.follow_error, moving.follow_late
+        )
+        part = StreamedPart(motion, planned, renewal, follower, seen)
         if self._watch is None:
             phase = motion.phases[0].support_phase
             self._watch = MotionWatch(self._mover.senses, seen.angles[0], phase)
@@ -178,10 +188,12 @@ class Execution:
         # The recorder starts before the motion does.
         self._order.feed("moving", 0.0, 0)
         self._part = part
-        self._mover.command(trajectory)
+        self._renew(part)
         while self.following:
             await self._news(part.seen)
             look = self._look(part)
+            if look.verdict is not FollowingState.DOUBTFUL:
+                self._renew(part)
             self._order.feed("moving", look.progress, part.landmark(look.progress))
             if look.verdict is FollowingState.ARRIVED:
                 self._part = None
@@ -193,34 +205,62 @@ class Execution:
 
     def halt(self) -> None:
         """Stop the robot gently where it is, if it is on its way."""
-        latest = self._mover.joints.latest
-        if self._part is not None and latest is not None:
-            self.hold(self._part.follower.at_rest(latest.angles[0]))
+        if self._part is not None:
+            self._stop(self._part)
 
     # Inside
+
+    def _renew(self, part: StreamedPart) -> None:
+        """Send the next piece where it is due: it begins where the last one is by now."""
+        if part.renewal.due(part.elapsed):
+            piece = part.renewal.piece(part.elapsed, TIMEOUT_S * self._mover.robot_time.rate)
+            self._mover.command(piece, part.stamp_ns)
+            part.sent_s = time.monotonic()
+
+    def _stop(self, part: StreamedPart) -> None:
+        """Come to rest on the way that was checked, from where the robot is commanded to be by now.
+
+        What was sent may have gone on since the newest joint angles, but ends at rest: a stop that
+        comes late is no way back.
+        """
+        robot, stop_s = self._mover.robot, self._mover.moving.stop_time
+        since_s = (time.monotonic() - part.sent_s) * self._mover.robot_time.rate
+        elapsed = max(part.elapsed, part.renewal.begun + since_s)
+        path_time = part.renewal.stopped(elapsed, stop_s)
+        angles = part.planned.at(np.array(path_time)).copy()
+        angles[robot.moved] = part.renewal.trajectory.at(np.array(path_time))
+        self.hold(angles)
 
     def _look(self, part: StreamedPart) -> FollowingError:
         """Take new joint angles, or whatever else has come; hold where something is wrong."""
         problem = self._mover.joints.problem
         if problem is not None:
-            # Where the robot is is unknown: it stops where it was meant to be when seen.
-            angles = part.follower.at_rest(part.expected)
             raise self._stopped(
-                angles, Plan.Result.NO_JOINT_STATES, f"stopped while moving: {problem}"
+                part, Plan.Result.NO_JOINT_STATES, f"stopped while moving: {problem}"
             )
         part.seen = self._latest()
         try:
             self._check_interrupted()
         except RefusedError as refusal:
-            raise self._stopped(part.at_rest, refusal.code, str(refusal)) from None
+            raise self._stopped(part, refusal.code, str(refusal)) from None
         missing = self._mover.listeners.missing
         if missing:
-            raise self._stopped(part.at_rest, Plan.Result.NOT_FOLLOWED, f"stopped: {missing}")
+            raise self._stopped(part, Plan.Result.NOT_FOLLOWED, f"stopped: {missing}")
+        away_s = part.elapsed - part.renewal.begun
+        if not part.renewal.done and away_s > HELD_UP * part.renewal.timeout_s:
+            raise self._stopped(
+                part,
+                Plan.Result.FAILED,
+                f"stopped: the planner was held up for {away_s:.1f} s, in which the robot came to "
+                "rest; see that the computer is not overloaded, and ask for the motion again",
+            )
         look = part.follower.look(part.stamp_ns, part.angles)
         if look.verdict is FollowingState.LOST:
             bound = self._mover.moving.follow_error
+            # Whatever keeps it off its way: it is not to go on with that.
+            self.hold(part.follower.at_rest(part.angles))
             raise self._stopped(
-                part.at_rest,
+                part,
                 Plan.Result.NOT_FOLLOWED,
                 f"stopped: joint '{look.joint}' is {look.error:.3f} rad off its trajectory "
                 f"(follow_error {bound:g} rad); {CURE}",
@@ -232,21 +272,18 @@ class Execution:
     def _check_concerns(self, part: StreamedPart) -> None:
         """Stop at once, or where both feet carry again."""
         assert self._watch is not None
-        elapsed = part.follower.elapsed(part.stamp_ns)
+        elapsed = part.follower.path_time(part.stamp_ns)
         reason = self._watch.look(elapsed, part.angles)
         if reason is not None and not reason.can_wait:
-            raise self._stopped(part.at_rest, reason.code, f"stopped: {reason.message}")
-        waited = part.waiting is not None
+            raise self._stopped(part, reason.code, f"stopped: {reason.message}")
         part.waiting = part.waiting or reason
         if part.waiting is not None and self._watch.both_carry(elapsed):
-            # A foot that has just come down is held down, not where it was measured.
-            angles = part.expected if waited else part.at_rest
-            raise self._stopped(angles, part.waiting.code, f"stopped: {part.waiting.message}")
+            raise self._stopped(part, part.waiting.code, f"stopped: {part.waiting.message}")
 
-    def _stopped(self, angles: FloatArray, code: int, message: str) -> RefusedError:
-        """Hold the robot at joint angles (m,) [rad]; why, and what to do on one foot."""
-        self.hold(angles)
-        feet = self._mover.kinematics.states(angles[None])
+    def _stopped(self, part: StreamedPart, code: int, message: str) -> RefusedError:
+        """Stop a robot that is still on its way; why, and what to do on one foot."""
+        self.halt()
+        feet = self._mover.kinematics.states(part.angles[None])
         foot, height = stance_foot(FootPose(feet.rotation[0], feet.translation[0]))
         if height > self._mover.planning.sole_height:
             message += f"; the robot stands on its {foot} foot: arm and plan motion '{PUT_DOWN}'"

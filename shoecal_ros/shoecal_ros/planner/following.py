@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.robot.joint_trajectory import JointTrajectory
+from shoecal_ros.common.renewal import Renewal
 
 FloatArray = NDArray[np.float64]
 _MOVED, _SHARE = 2e-3, 0.2
@@ -50,22 +51,29 @@ class Follower:
     """Compares measured angles with where the robot should be.
 
     A robot is late: it starts when the message arrives, and its motors trail. So a measurement
-    is compared with the trajectory over a span of time, and the nearest place counts. One
+    is compared with what was commanded over a span of time, and the nearest place counts. One
     measurement far off may be a false one, or another sender's: the next ones decide.
     """
 
     def __init__(
-        self, trajectory: JointTrajectory, start_ns: int, error_bound: float, late_s: float
+        self,
+        trajectory: JointTrajectory,
+        renewal: Renewal,
+        start_ns: int,
+        error_bound: float,
+        late_s: float,
     ) -> None:
-        """A trajectory that was sent.
+        """A trajectory that is being sent.
 
         Args:
             trajectory: of all joints that are measured, in that order.
-            start_ns: when it was sent [ns].
+            renewal: tells how far it was sent.
+            start_ns: when it began [ns].
             error_bound: a joint farther off than this is lost [rad].
             late_s: how late the robot may be [s].
         """
         self._trajectory = trajectory
+        self._renewal = renewal
         self._start_ns = start_ns
         self._bound = error_bound
         self._late_s = late_s
@@ -73,13 +81,13 @@ class Follower:
         self._far_off = 0
         self._far_off_since_ns = 0
 
-    def expected(self, stamp_ns: int) -> FloatArray:
-        """(m,) where the robot should be at a time [rad]."""
-        return self._trajectory.at(np.array(self.elapsed(stamp_ns)))
-
     def elapsed(self, stamp_ns: int) -> float:
-        """Time since the trajectory was sent [s]."""
+        """Time since the trajectory began [s]."""
         return (stamp_ns - self._start_ns) / 1e9
+
+    def path_time(self, stamp_ns: int) -> float:
+        """Time on the trajectory at which the robot should be by then [s]."""
+        return self._renewal.path_time(self.elapsed(stamp_ns))
 
     def at_rest(self, angles: FloatArray) -> FloatArray:
         """(m,) where to stop a robot that was measured at (m,) [rad].
@@ -96,7 +104,8 @@ class Follower:
         trajectory = self._trajectory
         elapsed = self.elapsed(stamp_ns)
         times = np.linspace(elapsed - self._late_s, elapsed, _LOOKS)
-        places = trajectory.at(times)
+        path_times = np.array([self._renewal.path_time(time) for time in times])
+        places = trajectory.at(path_times)
         errors = np.nan_to_num(np.abs(places - angles), nan=0.0)
         nearest = int(np.argmin(errors.max(axis=1)))
         joint = int(np.argmax(errors[nearest]))
@@ -105,9 +114,9 @@ class Follower:
             verdict = self._judge_far_off(stamp_ns)
         else:
             self._seen_at, self._far_off = places[nearest], 0
-            arrived = elapsed - self._late_s >= trajectory.duration
+            arrived = path_times[0] >= trajectory.duration
             verdict = FollowingState.ARRIVED if arrived else FollowingState.FOLLOWS
-        progress = min(1.0, max(0.0, elapsed / max(trajectory.duration, 1e-9)))
+        progress = float(path_times[-1]) / max(trajectory.duration, 1e-9)
         return FollowingError(verdict, trajectory.names[joint], error, progress)
 
     def _judge_far_off(self, stamp_ns: int) -> FollowingState:

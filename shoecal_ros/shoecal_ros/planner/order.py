@@ -13,6 +13,7 @@ from shoecal_core.robot.robot import Robot
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.common.worker import Worker
 from shoecal_ros.inputs.joints import JointInput
+from shoecal_ros.inputs.robot_time import RobotTime
 from shoecal_ros.planner.arming import Arming
 from shoecal_ros.planner.listeners import Listeners
 from shoecal_ros.planner.settings import MovingSettings
@@ -32,9 +33,10 @@ class Mover(Protocol):
     senses: Senses
     arming: Arming
     worker: Worker
+    robot_time: RobotTime
 
-    def command(self, trajectory: JointTrajectory) -> None:
-        """Send a trajectory to the robot."""
+    def command(self, trajectory: JointTrajectory, stamp_ns: int = 0) -> None:
+        """Send a trajectory to the robot that begins at a stamp [ns]; zero: on receipt."""
 
 
 @dataclass(frozen=True)

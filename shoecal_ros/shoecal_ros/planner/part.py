@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.planning.motion import Motion
+from shoecal_core.robot.joint_trajectory import JointTrajectory
+from shoecal_ros.common.renewal import Renewal
 from shoecal_ros.inputs.joints import JointBatch
 from shoecal_ros.planner.following import Follower
 from shoecal_ros.planner.stop_reason import StopReason
@@ -21,15 +23,21 @@ class StreamedPart:
 
     Attributes:
         motion: as planned.
+        planned: the same motion of all joints.
+        renewal: hands it out piece by piece.
         follower: compares joint angles with it.
         seen: the newest joint angles.
         waiting: why it stops as soon as both feet carry.
+        sent_s: when the last piece was sent, by the wall clock [s].
     """
 
     motion: Motion
+    planned: JointTrajectory
+    renewal: Renewal
     follower: Follower
     seen: JointBatch
     waiting: StopReason | None = None
+    sent_s: float = 0.0
 
     @property
     def stamp_ns(self) -> int:
@@ -43,14 +51,9 @@ class StreamedPart:
         return angles
 
     @property
-    def at_rest(self) -> FloatArray:
-        """(m,) where the robot stops if it has to by then [rad]."""
-        return self.follower.at_rest(self.angles)
-
-    @property
-    def expected(self) -> FloatArray:
-        """(m,) where the robot should be by then [rad]."""
-        return self.follower.expected(self.stamp_ns)
+    def elapsed(self) -> float:
+        """From its begin to the newest joint angles, by the robot's time [s]."""
+        return self.follower.elapsed(self.stamp_ns)
 
     def landmark(self, progress: float) -> int:
         """The landmark pursued at a part of the motion's time."""

@@ -89,10 +89,10 @@ class Adapted:
         """Wait until the adapter has taken what was said and sent."""
         self.world.until_discovered_by(self._adapter)
 
-    def send(self, trajectory: JointTrajectory) -> None:
-        """Send it once; it may be refused."""
+    def send(self, trajectory: JointTrajectory, stamp_ns: int = 0) -> None:
+        """Send it once, to begin at a stamp [ns]; it may be refused."""
         self._sent += 1
-        self._commands.publish(trajectory_to_ros(trajectory))
+        self._commands.publish(trajectory_to_ros(trajectory, stamp_ns))
 
     def command(self, trajectory: JointTrajectory) -> None:
         """Send it again and again until the adapter has accepted it."""
@@ -121,10 +121,7 @@ class Adapted:
         return int(values[f"trajectories_{answer}"])
 
     def _is_ready(self, *, heard: bool) -> bool:
-        """Whether it reports no error, and has heard that the robot is not armed.
-
-        One that is armed before that stops what may be under way first, and refuses motions.
-        """
+        """Whether it reports no error, and has heard that the robot is not armed."""
         reported = self.reported
         if reported is None or reported.level >= bytes([Level.ERROR]):
             return False

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from builtin_interfaces.msg import Time
 from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 
@@ -43,6 +44,11 @@ class Knee:
     @property
     def count(self) -> int:
         return len(self._heard)
+
+    @property
+    def stamp(self) -> Time:
+        """Of the newest joint angles."""
+        return self._heard.last.header.stamp
 
     def rests(self) -> bool:
         """Whether nothing moves for half a second."""

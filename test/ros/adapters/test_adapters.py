@@ -9,15 +9,18 @@ from __future__ import annotations
 import time
 from dataclasses import fields
 
+import numpy as np
 import pytest
 from sensor_msgs.msg import Temperature
 
 from ros.adapters.conftest import Adapted, Begin
-from ros.adapters.motions import WAY, Knee, bent, squat
+from ros.adapters.motions import KNEE, WAY, Knee, bent, squat
 from ros.bodies import nao
 from ros.policy import Rights, allowed, used
+from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_ros.common import qos
 from shoecal_ros.common.codes import Code
+from shoecal_ros.common.conversions import time_from_ros
 from shoecal_ros.common.health import Level
 from shoecal_ros.common.hold import LONGEST_S, hold
 
@@ -187,6 +190,43 @@ def test_motions_beyond_limits_are_refused(begin: Begin) -> None:
     robot.until_well("armed")
     robot.send(squat(1.0, way=3.0))
     robot.world.until_reported("naoqi_adapter", "robot", "beyond its limits")
+    assert knee.way == 0.0
+
+
+@pytest.mark.parametrize(
+    ("motion", "reported"),
+    [
+        (JointTrajectory((KNEE,), np.array([0.02]), np.array([[1.8]])), "joint_speed 1 rad/s"),
+        (JointTrajectory((KNEE,), np.array([0.0, 5.0]), np.array([[1.8], [1.8]])), "joint_speed"),
+        (squat(0.05, way=0.05), "joint_speed"),
+        (
+            JointTrajectory((KNEE,), np.array([0.0, 0.05]), np.array([[0.8], [0.825]])),
+            "joint_acceleration 20 rad/s^2",
+        ),
+    ],
+    ids=["one point far off", "begins far off", "fast", "jerky"],
+)
+def test_motions_faster_than_any_of_ours_are_refused(
+    motion: JointTrajectory, reported: str, begin: Begin
+) -> None:
+    robot = begin("nao_lola", "nao_lola_adapter")
+    knee = Knee(robot)
+    robot.arm()
+    robot.until_well("armed")
+    robot.send(motion)
+    robot.until_reported("trajectory refused: joint 'LKneePitch' would reach")
+    robot.until_reported(reported)
+    assert knee.way == 0.0
+
+
+def test_what_waited_on_its_way_is_refused(adapter: str, robot: Adapted) -> None:
+    """By its stamp, of the clock of `joint_states`."""
+    knee = Knee(robot)
+    robot.arm()
+    robot.until_well("armed")
+    stamp_ns = time_from_ros(knee.stamp) - 1_000_000_000
+    robot.send(squat(0.5), stamp_ns)
+    robot.until_reported("s old by its stamp (at most 0.2 s)")
     assert knee.way == 0.0
 
 

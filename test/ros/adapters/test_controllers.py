@@ -7,15 +7,11 @@ import time
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from std_srvs.srv import Trigger
-from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
 from ros.adapters.conftest import Adapted, Begin
 from ros.adapters.motions import WAY, Knee, squat
-from shoecal_ros.adapters.controller import FOUND_S
 from shoecal_ros.adapters.goal import PATIENCE_S
-from shoecal_ros.common import qos
 from shoecal_ros.common.codes import Code
-from shoecal_ros.common.conversions import trajectory_to_ros
 
 NODE = "controller_adapter"
 OTHERS = "LShoulderPitch, RShoulderPitch"
@@ -54,7 +50,7 @@ def code(reported: DiagnosticStatus) -> str:
     return str(next(value.value for value in reported.values if value.key == "code"))
 
 
-def test_started_again_it_stops_what_nobody_watches(robot: Adapted) -> None:
+def test_started_again_it_takes_the_next_motion(robot: Adapted) -> None:
     knee = moving(robot, 60.0)
     robot.kill_adapter()
     robot.start_adapter()
@@ -62,40 +58,6 @@ def test_started_again_it_stops_what_nobody_watches(robot: Adapted) -> None:
     assert 0.0 < knee.way < 0.29
     robot.until_well("armed")
     squats(robot, knee)
-
-
-def test_started_again_it_tells_a_controller_that_goes_on_and_sends_it_nothing_more(
-    begin: Begin,
-) -> None:
-    robot = behind_action(begin, "refusing_action")
-    knee = moving(robot, 120.0)
-    robot.kill_adapter()
-    robot.start_adapter()
-    assert code(robot.until_reported(GOES_ON)) == Code.CONTROLLER_GOES_ON
-    robot.settle()
-    robot.send(squat(0.5))
-    robot.until_reported("trajectory refused: what was under way before is being stopped")
-    assert robot.world.call(Trigger, "robot/accept_cancel", Trigger.Request()).success
-    robot.world.until(knee.rests)
-    assert knee.way < 0.29
-
-
-def test_started_again_it_leaves_a_controller_alone_that_comes_later(begin: Begin) -> None:
-    robot = begin("topic", NODE, **INTERFACES["topic"])
-    robot.arm()
-    robot.world.stop("robot")
-    robot.kill_adapter()
-    robot.start_adapter()
-    robot.until_reported("no node offers")
-    robot.settle()
-    # The word that it is armed may have come last of all.
-    end = time.monotonic() + 2.0 * FOUND_S
-    robot.world.until(lambda: time.monotonic() > end)
-    sent = robot.world.receive(JointTrajectoryMsg, "legs/joint_trajectory", qos.COMMAND)
-    robot.start_robot()
-    robot.until_well("armed")
-    robot.settle()
-    assert not sent.messages
 
 
 def test_killed_it_leaves_the_controller_half_a_second_to_go_on_with(robot: Adapted) -> None:
@@ -128,30 +90,6 @@ def test_started_again_where_nobody_has_armed_it_sends_nothing(robot: Adapted) -
     assert knee.way == pytest.approx(way, abs=1e-9)
 
 
-def test_started_again_it_stops_as_well_what_somebody_else_sends_until_disarmed(
-    begin: Begin,
-) -> None:
-    robot = begin("topic", NODE, **INTERFACES["topic"])
-    knee = Knee(robot)
-    robot.arm()
-    sent = robot.world.receive(JointTrajectoryMsg, "legs/joint_trajectory", qos.COMMAND)
-    robot.kill_adapter()
-    robot.start_adapter()
-    robot.world.until(lambda: len(sent))
-    elsewhere = robot.world.publisher(JointTrajectoryMsg, "legs/joint_trajectory", qos.COMMAND)
-
-    def moves() -> bool:
-        """Sent again while the knee rests: the adapter's stop may have come after it."""
-        if knee.way <= 0.005 and knee.rests():
-            elsewhere.publish(trajectory_to_ros(squat(60.0, way=0.3)))
-        return knee.way > 0.005
-
-    robot.world.until(moves)
-    robot.arm(False)
-    robot.world.until(knee.rests)
-    assert knee.way < 0.29
-
-
 def test_a_goal_that_is_not_cancelled_is_told_and_asked_to_end_again(begin: Begin) -> None:
     robot = behind_action(begin, "refusing_action")
     knee = moving(robot, 120.0)
@@ -180,15 +118,6 @@ def test_a_controller_that_does_not_answer_is_asked_again(begin: Begin) -> None:
     assert knee.way < 0.29
 
 
-def test_started_again_it_asks_a_controller_that_does_not_answer_again(begin: Begin) -> None:
-    robot = behind_action(begin, "hanging_action")
-    knee = moving(robot, 60.0)
-    robot.kill_adapter()
-    robot.start_adapter()
-    robot.world.until(knee.rests)
-    assert knee.way < 0.29
-
-
 @pytest.mark.parametrize("kind", ["action", "stuck_action"])
 def test_a_goal_that_the_controller_does_not_know_has_ended(kind: str, begin: Begin) -> None:
     robot = behind_action(begin, kind)
@@ -207,24 +136,6 @@ def test_a_goal_that_the_controller_does_not_know_has_ended(kind: str, begin: Be
     end = time.monotonic() + 2.0 * PATIENCE_S
     robot.world.until(lambda: time.monotonic() > end)
     robot.until_well("not armed")
-
-
-def test_what_a_controller_went_on_with_is_nothing_of_the_one_that_comes_after_it(
-    begin: Begin,
-) -> None:
-    robot = behind_action(begin, "stuck_action")
-    moving(robot, 60.0)
-    robot.kill_adapter()
-    robot.start_adapter()
-    robot.until_reported(GOES_ON)
-    robot.world.kill("robot")
-    robot.start_robot()
-    robot.until_well("armed")
-    robot.arm(False)
-    robot.until_well("not armed")
-    knee = Knee(robot)
-    robot.arm()
-    squats(robot, knee)
 
 
 def test_a_controller_that_refuses_is_told(begin: Begin) -> None:

@@ -17,6 +17,7 @@ from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_ros.adapters.foreign import PackageMissingError, foreign
 from shoecal_ros.adapters.lola import NUMBERS, numbered
 from shoecal_ros.adapters.stream import REPEATED_S, STOP_S, Stream
+from shoecal_ros.common.renewal import Renewal
 
 KNEE = "LKneePitch"
 STEP_S = 1e-4
@@ -168,6 +169,31 @@ def test_joints_that_were_told_nothing_begin_where_they_are() -> None:
     stream.begin(stay, measured, 0.5)
     points = sampled(stream, np.linspace(0.5, 2.5, 21))[:, stream.names.index("LShoulderPitch")]
     assert points == pytest.approx(0.65)
+
+
+def test_a_robot_that_was_given_nothing_goes_on_from_where_it_was_left() -> None:
+    """The sender was asleep: set points do not jump to where it would be by now."""
+    stream = Stream(nao())
+    stream.begin(bend([0.0, 2.0], [0.0, 0.3]), nao().posture, 0.0)
+    (last,) = sampled(stream, np.array([0.8]))
+    stream.rest(0.8, 1.7)
+    assert sampled(stream, np.array([1.7, 1.75, 2.5])) == pytest.approx(np.tile(last, (3, 1)))
+    stream.begin(bend([0.0, 2.0], [0.2, 0.3]), nao().posture, 1.8)
+    points = sampled(stream, np.array([1.8, 1.8 + STEP_S, 4.0]))
+    assert points[:2] == pytest.approx(np.tile(last, (2, 1)), abs=1e-6)
+    assert points[2, 0] - nao().posture[nao().joint(KNEE)] == pytest.approx(0.3)
+
+
+@given(st.lists(st.floats(0.05, 0.15), min_size=5, max_size=20))
+def test_pieces_of_one_motion_are_that_motion(gaps: list[float]) -> None:
+    share = np.linspace(0.0, 1.0, 81)
+    ways = 0.2 * share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
+    whole = bend((4.0 * share).tolist(), ways.tolist())
+    renewal, stream = Renewal(whole), Stream(nao())
+    for now in np.cumsum([0.0, *gaps]):
+        stream.begin(renewal.piece(now), nao().posture, now)
+        times = now + np.linspace(0.0, 0.19, 5)
+        assert sampled(stream, times) == pytest.approx(whole.at(times), abs=1e-3)
 
 
 def test_a_thousand_trajectories_in_a_second_are_borne() -> None:

@@ -208,7 +208,6 @@ def test_a_motion_of_several_parts_is_not_streamed(scene: Scene) -> None:
 
 def test_a_motion_done_tells_how_warm_it_left_the_motors(scene: Scene) -> None:
     """One message of joint angles that cannot be used on the way changes nothing."""
-    scene.robot.pace = 16
     goal = scene.plan("unload_right")
     scene.until(goal, lambda: scene.robot.lifted > 0.003)
     scene.robot.publish_garbled_joints()

@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from shoecal_core.robot.joint_trajectory import JointTrajectory
+from shoecal_ros.common.renewal import Renewal
 from shoecal_ros.planner.following import Follower, FollowingState
 
 START_NS = 5_000_000_000
@@ -17,7 +18,10 @@ TRAJECTORY = JointTrajectory(
 
 
 def follower() -> Follower:
-    return Follower(TRAJECTORY, START_NS, error_bound=0.05, late_s=0.5)
+    renewal = Renewal(TRAJECTORY)
+    for time in np.arange(0.0, 4.0, 0.1):
+        renewal.piece(time)
+    return Follower(TRAJECTORY, renewal, START_NS, error_bound=0.05, late_s=0.5)
 
 
 def at(time: float) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
@@ -102,5 +106,13 @@ def test_a_joint_that_tells_nothing_does_not_count() -> None:
     assert follower().look(START_NS + 1_000_000_000, angles).verdict is FollowingState.FOLLOWS
 
 
-def test_where_it_should_be() -> None:
-    np.testing.assert_allclose(follower().expected(START_NS + 2_000_000_000), [0.2, -0.5])
+def test_a_robot_that_was_sent_no_more_is_to_be_where_that_ended() -> None:
+    renewal = Renewal(TRAJECTORY)
+    renewal.piece(0.0)
+    one = Follower(TRAJECTORY, renewal, START_NS, error_bound=0.05, late_s=0.5)
+    rest = renewal.path_time(9.0)
+    assert 0.3 < rest < 0.5
+    look = one.look(START_NS + 9 * 10**9, at(rest))
+    assert look.verdict is FollowingState.FOLLOWS
+    assert look.error == pytest.approx(0.0)
+    assert look.progress == pytest.approx(rest / 4.0)
