@@ -109,7 +109,7 @@ def holders(rule: str, name: str) -> set[str]:
 
 
 def test_who_may_move_the_robot() -> None:
-    assert holders("publish", "/joint_trajectory") == {"planner", "calibrator"}
+    assert holders("publish", "/joint_trajectory") == {"planner"}
     assert holders("publish", "/shoe/armed") == {"planner"}
     assert holders("request", "/shoe/arm") == {"operator"}
     assert holders("call", "/shoe/plan") == {"calibrator", "operator"}
