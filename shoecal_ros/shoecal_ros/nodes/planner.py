@@ -24,10 +24,12 @@ from shoecal_ros.common.actions import answered
 from shoecal_ros.common.codes import Code, Problem
 from shoecal_ros.common.conversions import trajectory_to_ros
 from shoecal_ros.common.health import Condition, Level
+from shoecal_ros.common.names import short_name
 from shoecal_ros.common.node import ShoecalNode
 from shoecal_ros.common.process import run
 from shoecal_ros.common.refusal import RefusedError, faults_refused
 from shoecal_ros.common.robot_files import RobotFiles
+from shoecal_ros.common.waiting import until
 from shoecal_ros.common.worker import Worker
 from shoecal_ros.inputs.imu import ImuInput
 from shoecal_ros.inputs.joints import JointInput
@@ -47,6 +49,8 @@ R = TypeVar("R", Plan.Result, ReachSupport.Result)
 
 REACH = "robot/reach_support"
 """The action that own steps answer."""
+STATE_S = 1.0
+"""Wall-clock time in which `shoe/state`, ten times a second, reports that a job began or ended."""
 LAST_WORDS = Duration(seconds=1)
 """Wall-clock time that the robot gets to hear the last commands."""
 
@@ -183,6 +187,7 @@ class PlannerNode(ShoecalNode):
         """One at a time; how it ended is in the result."""
 
         async def do() -> str:
+            await self._refuse_beside_job(goal.request.run_id, result.BUSY)
             if self._busy:
                 raise RefusedError(result.BUSY, "another motion is under way; wait or cancel it")
             self._busy, self._execution = True, job.execution
@@ -198,6 +203,15 @@ class PlannerNode(ShoecalNode):
             return f"done; {heat.margin(self.senses.temperatures.degc, self.moving.hot_degc)}"
 
         return await answered(goal, result, do)
+
+    async def _refuse_beside_job(self, run_id: str, code: int) -> None:
+        """While a job moves the robot, its own goals only: between two of them nothing is busy."""
+        shoes = self.senses.shoes
+        if not await until(lambda: shoes.job in {"", run_id}, STATE_S):
+            reported = (
+                f"job {short_name(shoes.job)} moves the robot; wait for it, cancel it or disarm"
+            )
+            raise RefusedError(code, reported)
 
 
 def main() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from sensor_msgs.msg import JointState
 from shoecal_msgs.action import Plan, ReachSupport
-from shoecal_msgs.msg import DoubleSupport
+from shoecal_msgs.msg import DoubleSupport, ShoeState
 from std_msgs.msg import Bool
 from std_srvs.srv import SetBool
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
@@ -202,6 +202,25 @@ def test_one_motion_at_a_time_and_cancelling_while_planning(world: World) -> Non
         assert plan(world).result().error_code == Plan.Result.BUSY
         goal.cancel()
         assert goal.result().error_code == Plan.Result.CANCELED
+
+
+def test_while_a_job_moves_the_robot_only_its_own_goals_are_taken(still: World) -> None:
+    states = still.publisher(ShoeState, "shoe/state", qos.LATCHED)
+
+    def asked(run_id: str = "") -> Plan.Result:
+        return plan(still, motion="dance", run_id=run_id).result()
+
+    states.publish(ShoeState(state=ShoeState.CALIBRATING, run_id="20261122T034512123"))
+    still.until_discovered_by("planner")
+    still.until(lambda: asked().error_code == Plan.Result.BUSY)
+    for refused in (asked(), asked("20261122T000000000")):
+        assert refused.error_code == Plan.Result.BUSY
+        assert "job 20261122T034512123 moves the robot; wait for it" in refused.message
+    assert asked("20261122T034512123").error_code == Plan.Result.BAD_GOAL
+    # It ends while one waits.
+    waiting = plan(still, motion="dance")
+    states.publish(ShoeState(state=ShoeState.CALIBRATED))
+    assert waiting.result().error_code == Plan.Result.BAD_GOAL
 
 
 def test_without_joint_angles(world: World) -> None:
