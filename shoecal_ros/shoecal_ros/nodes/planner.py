@@ -37,6 +37,7 @@ from shoecal_ros.inputs.shoe_reports import ShoeReports
 from shoecal_ros.inputs.temperatures import TemperatureInput
 from shoecal_ros.planner import heat, planning_work
 from shoecal_ros.planner.arming import Arming
+from shoecal_ros.planner.commanders import Commanders
 from shoecal_ros.planner.execution import Execution
 from shoecal_ros.planner.listeners import Listeners
 from shoecal_ros.planner.plan_job import PlanJob
@@ -74,6 +75,7 @@ class PlannerNode(ShoecalNode):
         self._execution: Execution | None = None
         self._command = self.create_publisher(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
         self.listeners = Listeners(self, self._command)
+        self._commanders = Commanders(self, self._command, self.moving.other_commanders)
         self._armed = self.create_publisher(Bool, "shoe/armed", qos.ARMED)
         self.peers.alone.add(self._armed.topic_name)
         self._armed.publish(Bool(data=False))
@@ -114,6 +116,10 @@ class PlannerNode(ShoecalNode):
         """Disarm what is not in use, and report the condition of joints and planning."""
         if self._busy:
             self.arming.use()
+        self._commanders.look()
+        if self.arming.armed and self._commanders.problem is not None:
+            self.arming.set(False)
+            self._armed.publish(Bool(data=False))
         # Repeated while it holds: so everybody knows soon when this node is gone.
         if self.arming.expire() or self.arming.armed:
             self._armed.publish(Bool(data=self.arming.armed))
@@ -122,7 +128,9 @@ class PlannerNode(ShoecalNode):
         self.health.note("joints", joints)
         self.health.report("arming", Level.OK, "armed" if self.arming.armed else "not armed")
         self.listeners.look()
-        self.health.note("commands", self.listeners.condition(armed=self.arming.armed))
+        problem = self._commanders.problem
+        commands = self.listeners.condition(armed=self.arming.armed)
+        self.health.note("commands", commands if problem is None else Condition.of(problem, ""))
         self._report_planning()
         latest = self.joints.latest
         angles = None if latest is None else latest.angles[0]
@@ -166,9 +174,14 @@ class PlannerNode(ShoecalNode):
             self.health.report("steps", Level.OK, f"this node offers {REACH}")
 
     def _arm(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
-        self.arming.set(request.data)
+        self._commanders.look()
+        problem = self._commanders.problem if request.data else None
+        self.arming.set(request.data and problem is None)
         self._armed.publish(Bool(data=self.arming.armed))
-        response.success = True
+        response.success = problem is None
+        if problem is not None:
+            response.message = f"not armed: {problem}"
+            return response
         response.message = (
             f"armed; disarms by itself after {self.moving.arm_timeout_s:g} s without use"
             if self.arming.armed
