@@ -200,7 +200,7 @@ class PlannerNode(ShoecalNode):
         """One at a time; how it ended is in the result."""
 
         async def do() -> str:
-            await self._refuse_beside_job(goal.request.run_id, result.BUSY)
+            await self._refuse_in_another_job(goal.request.run_id, result.BUSY)
             if self._busy:
                 raise RefusedError(result.BUSY, "another motion is under way; wait or cancel it")
             self._busy, self._execution = True, job.execution
@@ -217,7 +217,7 @@ class PlannerNode(ShoecalNode):
 
         return await answered(goal, result, do)
 
-    async def _refuse_beside_job(self, run_id: str, code: int) -> None:
+    async def _refuse_in_another_job(self, run_id: str, code: int) -> None:
         """While a job moves the robot, its own goals only: between two of them nothing is busy."""
         shoes = self.senses.shoes
         if not await until(lambda: shoes.job in {"", run_id}, STATE_S):

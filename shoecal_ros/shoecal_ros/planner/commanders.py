@@ -1,4 +1,4 @@
-"""Who else commands the joints: nobody may, unless a parameter names it."""
+"""Other nodes that command the joints: only those that a parameter names may."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Commanders:
     """Of the topic of commands.
 
     Attributes:
-        problem: who publishes it, too, and the cure; None where nobody does who may not.
+        problem: who publishes it, too, and the cure; None where only those do that may.
     """
 
     def __init__(
@@ -31,7 +31,7 @@ class Commanders:
         others: str,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        """Nobody has been looked for yet.
+        """No publisher has been looked for yet.
 
         Args:
             node: that commands the joints.

@@ -140,7 +140,7 @@ def off(way: float) -> FloatArray:
 def test_nothing_begins_that_nobody_would_watch(
     scene: Scene, required: dict[str, bool], missing: str
 ) -> None:
-    settings = MovingSettings(**required)
+    settings = replace(MovingSettings(), **required)
     scene.mover.senses = replace(scene.mover.senses, settings=settings)
     with pytest.raises(RefusedError, match=f"nothing comes from {missing}.*_required") as caught:
         Execution(scene.mover, scene.order).check_ready()
