@@ -43,8 +43,8 @@ callback of `/shoe/cop`: real driver and calibrator, joint angles at {joints:g} 
 process a node. For comparison a bare chain of two default rclpy nodes relays messages of the same
 size over as many hops. Both get frames in turns of {turn:g} s, {seconds:g} s a chain and rate.
 *Ratio*: over the bare chain, at most {allowed:g} wanted, or at most {allowed_ms:g} ms longer: at
-1 kHz the bare chain takes so little that the work on a frame (decoding, joining, forces, CoP), which
-it does not do, counts for more. *Lost*: frames that were not heard.
+1 kHz the bare chain takes so little that the work on a frame (decoding, joining, forces, CoP),
+which it does not do, counts for more. *Lost*: frames that were not heard.
 
 {table}
 
