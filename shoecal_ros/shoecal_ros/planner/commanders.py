@@ -58,5 +58,5 @@ class Commanders:
         new = self._clock() - self._named_at < UNNAMED_S
         problem = joined(named if new else found)
         self.problem = problem and Problem(
-            problem.code, f"{problem}; or name it in the planner's other_commanders"
+            problem.code, f"{problem}; name one that may in the planner's other_commanders"
         )
