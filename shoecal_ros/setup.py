@@ -41,6 +41,7 @@ setup(
         "console_scripts": [
             *(f"{node} = {NAME}.nodes.{node}:main" for node in (*NODES, *ADAPTERS)),
             f"demo = {NAME}.demo:main",
+            f"security_policy = {NAME}.security_policy:main",
             f"example_controller = {NAME}.examples.controller:main",
         ]
     },

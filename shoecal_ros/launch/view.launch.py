@@ -24,6 +24,7 @@ from launch_ros.parameter_descriptions import ParameterValue
 
 from shoecal_core.workspace import network_environment
 from shoecal_ros.bringup import VIEWERS, check_viewer
+from shoecal_ros.launched import program
 from shoecal_ros.placed_layout import placed_layout
 
 SHARE = Path(get_package_share_directory("shoecal_ros"))
@@ -67,12 +68,11 @@ def _viewer(context: LaunchContext) -> list[Node | LogInfo]:
         LaunchConfiguration("left_sole_frame").perform(context),
     )
     sim_time = ParameterValue(LaunchConfiguration("use_sim_time"), value_type=bool)
-    node = Node(
-        package=VIEWERS[viewer],
-        executable=VIEWERS[viewer],
+    node = program(
+        VIEWERS[viewer],
+        VIEWERS[viewer],
         arguments=[OPTIONS[viewer], str(layout)] if viewer in OPTIONS else [],
         parameters=[{**PARAMETERS.get(viewer, {}), "use_sim_time": sim_time}],
-        output="screen",
     )
     if viewer != "foxglove":
         return [node]

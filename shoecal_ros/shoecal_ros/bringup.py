@@ -6,6 +6,7 @@ It needs no `launch`, so that it can be tried with the nodes alone.
 from __future__ import annotations
 
 import os
+import shlex
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -13,6 +14,7 @@ from pathlib import Path
 
 from ament_index_python.packages import PackageNotFoundError, get_package_prefix
 
+from shoecal_core.end_with_parent import ending_with_parent
 from shoecal_core.errors import NameNotFoundError, ShoecalError
 from shoecal_core.parameter_file import sections_of
 from shoecal_core.simulation.reality_file import load_reality
@@ -64,6 +66,14 @@ class NodeToStart:
     def ros_arguments(self) -> list[str]:
         """Those that are neither names nor parameters."""
         return ["--enclave", self.enclave] if self.enclave else []
+
+
+def ending_with_launch() -> str:
+    """What goes before a command line, so that the program ends with this process, `launch`.
+
+    Launch that gets SIGTERM, or is killed, leaves its nodes alone otherwise.
+    """
+    return shlex.join(ending_with_parent([]))
 
 
 def robot_nodes(arguments: Mapping[str, str]) -> list[NodeToStart]:

@@ -1,10 +1,13 @@
 from __future__ import annotations
 
 import ast
+import contextlib
 import importlib.util
 import json
 import os
+import shlex
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -15,6 +18,7 @@ from rcl_interfaces.srv import GetParameters
 from shoecal_msgs.msg import ShoeVoltages
 from trajectory_msgs.msg import JointTrajectory
 
+from core.stranger import Stranger
 from reference.launch_files import arguments as listed
 from ros.bodies import ODD, ODD_SHOE
 from ros.world import World
@@ -43,14 +47,17 @@ def arguments(file: str, **changes: str) -> dict[str, str]:
     return defaults | changes
 
 
-def begin(world: World, node: NodeToStart) -> str:
-    """Start a node with the arguments that `launch_ros` gives it; its full name."""
+def ros_arguments(node: NodeToStart) -> list[str]:
+    """Those that `launch_ros` gives a node."""
     files = [part for path in node.files for part in ("--params-file", str(path))]
-    remaps = ["-r", f"__node:={node.name}", "-r", f"__ns:={node.namespace}"]
+    remaps = ["-r", f"__node:={node.name}", "-r", f"__ns:={node.namespace or '/'}"]
     pairs = [f"{name}:={json.dumps(value)}" for name, value in node.parameters.items()]
     own = [part for pair in pairs for part in ("-p", pair)]
-    world.start(node.name, {}, *remaps, *files, *own, *node.ros_arguments)
-    return f"{node.namespace}/{node.name}"
+    return [*remaps, *files, *own, *node.ros_arguments]
+
+
+def begin(world: World, node: NodeToStart) -> None:
+    world.start(node.name, {}, *ros_arguments(node))
 
 
 def own_parameters(folder: Path) -> Path:
@@ -95,6 +102,54 @@ def test_a_demo_in_a_namespace_keeps_its_limits_and_takes_the_simulator_along(
     assert [one.string_value for one in folders] == [
         str(tmp_path / "state"), str(tmp_path / "state" / "sessions"),
     ]  # fmt: skip
+
+
+STAND_IN = """
+import os, shlex, subprocess, sys
+from shoecal_ros.bringup import ending_with_launch
+# As somebody has it who has sourced nothing: the wheels start the interpreter a second time.
+environment = {**os.environ}
+del environment["_ROS_WHEELS_BOOTSTRAP_COMPLETE"]
+for line in sys.stdin:
+    command = [*shlex.split(ending_with_launch()), *shlex.split(line)]
+    print(subprocess.Popen(command, env=environment).pid, flush=True)
+"""
+"""Starts what it is told as launch does, and does nothing at SIGTERM."""
+
+
+@pytest.mark.skipif(
+    "_ROS_WHEELS_BOOTSTRAP_COMPLETE" not in ros_environment(), reason="needs the wheels"
+)
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
+def test_nodes_end_with_the_launch_that_is_terminated(
+    world: World, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, number: int
+) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    demo = arguments("demo")
+    robot = arguments(
+        "bringup", device=simulated_device(demo), use_sim_time="true", state=str(tmp_path / "state")
+    )
+    nodes = [simulated_robot(demo), *robot_nodes(robot)]
+    with (
+        subprocess.Popen(
+            [sys.executable, "-c", STAND_IN], env=ros_environment(), text=True,
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=(tmp_path / "log").open("w"),
+        ) as launch,
+        contextlib.ExitStack() as strangers,
+    ):  # fmt: skip
+        assert launch.stdin is not None
+        assert launch.stdout is not None
+        children = []
+        for node in nodes:
+            program = [sys.executable, "-m", f"shoecal_ros.nodes.{node.name}", "--ros-args"]
+            print(shlex.join([*program, *ros_arguments(node)]), file=launch.stdin, flush=True)
+            children.append(strangers.enter_context(Stranger(int(launch.stdout.readline()))))
+        world.until_reported("planner", "planning", "ready")
+        world.until_reported("calibrator", "voltages", "voltages come")
+        launch.send_signal(number)
+        assert all(child.ends() for child in children)
+    # They were asked to, and did the rest themselves.
+    assert "Traceback" not in (tmp_path / "log").read_text()
 
 
 def test_a_simulation_has_state_and_port_of_its_own() -> None:

@@ -18,9 +18,15 @@ from mcap.stream_reader import StreamReader, get_chunk_data_stream
 from rosbags.highlevel import AnyReader, AnyReaderError
 from rosbags.interfaces import Connection
 
-from shoecal_core.errors import FileError, FileMissingError, FileSyntaxError, FileUnreadableError
+from shoecal_core.errors import (
+    FileError,
+    FileMissingError,
+    FileSyntaxError,
+    FileTooLargeError,
+    FileUnreadableError,
+)
 from shoecal_core.files import open_file, read_bytes, read_error
-from shoecal_core.recording.container import DAMAGE, ZSTD
+from shoecal_core.recording.container import DAMAGE, ZSTD, check_honest
 from shoecal_core.recording.errors import RecordingError, reason_of
 from shoecal_core.recording.schemas import typestore
 
@@ -29,6 +35,8 @@ UNPACK = {".zst": "zstd -d", ".zstd": "zstd -d", ".gz": "gunzip", ".bz2": "bunzi
 """Commands that unpack files compressed as a whole, by their suffix."""
 METADATA = "metadata.yaml"
 BAG_INFORMATION = "rosbag2_bagfile_information"
+MAX_CHUNK = 64 * 2**20
+"""Bytes of a chunk, or of a message compressed by itself, when unpacked: room for images."""
 _FAULTS = (*DAMAGE, AnyReaderError, sqlite3.Error, AssertionError, TypeError, EOFError)
 """What the libraries raise on a file that is cut, altered or no bag."""
 
@@ -122,7 +130,9 @@ class Bag:
         with self._damage():
             for one, received, data in self._reader.messages(wanted, from_ns, to_ns):
                 if data.startswith(ZSTD):  # of a bag that compresses message by message
-                    data = zstandard.decompress(data)  # noqa: PLW2901
+                    _require_small(self.path, zstandard.frame_content_size(data), "message")
+                    # The bound holds where the frame does not say its size.
+                    data = zstandard.decompress(data, MAX_CHUNK)  # noqa: PLW2901
                 content = self._reader.deserialize(data, one.msgtype)
                 yield BagMessage(one.topic, received, content)
 
@@ -201,17 +211,35 @@ def _damaged(path: Path, error: BaseException) -> RecordingError:
     return RecordingError(path, f"cannot be read as a bag ({reason}); {cure}")
 
 
+def _require_small(path: Path, size: int, what: str) -> None:
+    """Refuse what would fill the memory, before it is unpacked to so many bytes.
+
+    Raises:
+        FileTooLargeError: with the cure.
+    """
+    if size > MAX_CHUNK:
+        problem = f"holds a {what} of {size >> 20} MiB, more than {MAX_CHUNK >> 20}"
+        cure = "write it again with smaller ones, for example by `ros2 bag convert`"
+        raise FileTooLargeError(path, f"{problem}; {cure}")
+
+
 def _check_sums(path: Path, named: Path) -> None:
     """Check every chunk of an MCAP file: `rosbags` decodes altered bytes without an error.
 
     Args:
         path: of the file.
         named: what an error calls it.
+
+    Raises:
+        RecordingError: for bytes that were altered.
+        FileTooLargeError: for a chunk that would fill the memory.
     """
     try:
         with open_file(path) as file:
             for record in StreamReader(file, emit_chunks=True).records:
                 if isinstance(record, Chunk):
+                    _require_small(named, record.uncompressed_size, "chunk")
+                    check_honest(record)
                     get_chunk_data_stream(record, validate_crc=True)
     except _FAULTS as error:
         raise _damaged(named, error) from error

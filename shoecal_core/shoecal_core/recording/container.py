@@ -204,12 +204,21 @@ def unfold(chunk: Chunk) -> list[McapRecord]:
         raise McapError(f"compression '{chunk.compression[:30]}' is not known here")
     if chunk.uncompressed_size > MAX_CHUNK:
         raise McapError(f"a chunk of {chunk.uncompressed_size} bytes")
+    check_honest(chunk)
+    return breakup_chunk(chunk, validate_crc=True)
+
+
+def check_honest(chunk: Chunk) -> None:
+    """Refuse a chunk that would be unfolded to another size than it says of itself.
+
+    Raises:
+        McapError: for such a one.
+    """
     if chunk.compression == _ZSTD and zstandard.frame_content_size(chunk.data) not in (
         -1,  # unknown; the decompressor keeps to the size below
         chunk.uncompressed_size,
     ):
         raise McapError("a chunk that is larger than it says")
-    return breakup_chunk(chunk, validate_crc=True)
 
 
 def looks_like_mcap(head: bytes) -> bool:

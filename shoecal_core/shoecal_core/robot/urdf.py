@@ -32,6 +32,9 @@ MAX_INERTIA = 1e6
 """kg m^2, likewise."""
 MAX_DISTANCE = 1e3
 """m; no part of a robot is farther from the next."""
+MAX_DEPTH = 100
+"""Elements within each other; a URDF has five, what extends it some more. Trees are walked by
+recursion."""
 NAMED = 5
 """Links that an error names."""
 _PARTS = (["robot", "link"], ["robot", "joint"])
@@ -248,9 +251,24 @@ def _parse(
     def refuse(*_: object) -> None:
         raise UrdfError(path, "declares a document type; leave <!DOCTYPE> out")
 
+    depth = 0
+
+    def begin(tag: str, attributes: dict[str, str]) -> None:
+        nonlocal depth
+        depth += 1
+        if depth > MAX_DEPTH:
+            problem = f"<{tag[:30]}> is within {MAX_DEPTH} other elements"
+            raise UrdfError(path, f"{problem}; export the URDF again")
+        start(tag, attributes)
+
+    def close(tag: str) -> None:
+        nonlocal depth
+        depth -= 1
+        end(tag)
+
     parser = expat.ParserCreate()
-    parser.StartElementHandler = start
-    parser.EndElementHandler = end
+    parser.StartElementHandler = begin
+    parser.EndElementHandler = close
     # Entities can unfold a small file into gigabytes, or name another one.
     parser.StartDoctypeDeclHandler = refuse
     try:

@@ -165,6 +165,7 @@ class CalibratorBase(ShoecalNode):
         self.reach_client = ActionClient(self, ReachSupport, REACH_ACTION)
         self.plan_client = ActionClient(self, Plan, PLAN_ACTION)
         self.job_under_way = ""
+        self.moving_run_id = ""
         self._recorded: list[Subscription] = []
 
     @property
@@ -179,13 +180,14 @@ class CalibratorBase(ShoecalNode):
                 Calibrate.Result.BUSY, f"{reported} is under way; wait for it or cancel it"
             )
 
-    def begin_job(self, what: str, run_id: str) -> None:
-        """A job is under way from now on."""
+    def begin_job(self, what: str, run_id: str, *, moves: bool) -> None:
+        """A job is under way from now on, in which the robot is moved or not."""
         self.job_under_way, self._run_id = what, run_id
+        self.moving_run_id = run_id if moves else ""
 
     def end_job(self) -> None:
         """It is no more: only what the live side needs is heard."""
-        self.job_under_way = self._run_id = ""
+        self.job_under_way = self._run_id = self.moving_run_id = ""
         self._listen_live()
 
     def input_problem(self) -> Problem | None:

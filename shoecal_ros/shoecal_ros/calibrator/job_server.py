@@ -66,7 +66,7 @@ class JobServer(ABC, Generic[J]):
         if job.moves:
             node.listen_for_recording()
         self._job = job
-        node.begin_job(f"a {self._what}", job.run_id)
+        node.begin_job(f"a {self._what}", job.run_id, moves=job.moves)
         return job
 
     def _end(self) -> None:

@@ -64,6 +64,7 @@ class LivePublishers:
         flags: Sequence[FootFlags],
         *,
         joints_stale: bool,
+        run_id: str,
     ) -> None:
         """Publish the state, changed or not: who hears it knows that this node lives."""
         self._state.publish(
@@ -72,6 +73,7 @@ class LivePublishers:
                 state=state,
                 calibration_id=calibration_id,
                 joints_stale=joints_stale,
+                run_id=run_id,
                 feet=[
                     FootState(
                         foot=foot,

@@ -6,7 +6,9 @@ import signal
 
 
 class EndAsked:
-    """Whether Ctrl-C was pressed or the process asked to end; at the second time it does at once.
+    """Whether Ctrl-C was pressed or the process asked to end; at a second Ctrl-C it does at once.
+
+    SIGTERM may come twice for one wish: from a service manager, and because launch has ended.
 
     Attributes:
         to_end: whether it shall.
@@ -25,7 +27,7 @@ class EndAsked:
             signal.signal(number, handler)
 
     def _ask(self, number: int, frame: object) -> None:
-        del number, frame
-        if self.to_end:
+        del frame
+        if self.to_end and number == signal.SIGINT:
             raise KeyboardInterrupt
         self.to_end = True

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from functools import partial
 from typing import Any
 
@@ -18,6 +18,8 @@ from shoecal_ros.common.health import Condition, Level
 OTHERS_TOPICS = ("/rosout", "/parameter_events", "/diagnostics")
 """Of all nodes there are."""
 
+UNNAMED = "somebody without a node's name"
+"""In place of the name of a node that starts, or of a program that is no ROS node."""
 _NO_NAME = "_NODE_NAME_UNKNOWN_"
 """What the middleware says of an end of a topic whose node it does not know."""
 
@@ -96,7 +98,7 @@ class GraphMonitor:
         found = [
             reported for info in theirs if (reported := _misfit(own, info, topic, sends=sends))
         ]
-        return found + (self._rivals(topic) if sends and topic in self.alone else [])
+        return found + (self.rivals(topic) if sends and topic in self.alone else [])
 
     def _doubles(self, end: Publisher | Subscription) -> Problem | None:
         """Several senders of a topic that one should send; None where there are none."""
@@ -111,9 +113,14 @@ class GraphMonitor:
             "stop all but one",
         )
 
-    def _rivals(self, topic: str) -> list[Problem]:
-        """Other publishers of a topic that is this node's alone."""
-        names = [node_name(info) for info in self._node.get_publishers_info_by_topic(topic)]
+    def rivals(self, topic: str, allowed: Collection[str] = ()) -> list[Problem]:
+        """Other publishers of a topic that is this node's alone.
+
+        Args:
+            topic: resolved name.
+            allowed: full names of nodes that may publish it, too.
+        """
+        names = [name for name in self._senders(topic) if name not in allowed]
         own = self._node.get_fully_qualified_name()
         if own in names:
             names.remove(own)
@@ -153,5 +160,5 @@ def _misfit(
 def node_name(info: TopicEndpointInfo) -> str:
     """Of a node; one that starts has none yet, and a program that is no ROS node never has."""
     if info.node_name == _NO_NAME:
-        return "somebody without a node's name"
+        return UNNAMED
     return f"{info.node_namespace.rstrip('/')}/{info.node_name}"

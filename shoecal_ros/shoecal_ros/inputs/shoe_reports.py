@@ -15,6 +15,8 @@ from shoecal_ros.inputs.arrival_monitor import ArrivalMonitor
 
 BEATS, BEAT_S = 5, 0.5
 """So many states, each so soon after the one before, come at a rate."""
+JOB_S = 3.0
+"""Without a state for so long, ten of which come a second, a job's node hangs or is gone."""
 
 
 class ShoeReports:
@@ -74,6 +76,13 @@ class ShoeReports:
                 since = min(self._useless_since[foot.foot], now)
                 ages[f"readings of the {foot.foot} foot"] = now - since
         return ages
+
+    @property
+    def job(self) -> str:
+        """Run id of the job under way that moves the robot; empty: none."""
+        if self._state is None or not self._reported() or self._state_age >= JOB_S:
+            return ""
+        return str(self._state.run_id)
 
     @property
     def _state_age(self) -> float:

@@ -133,6 +133,7 @@ class CalibratorNode(CalibratorBase):
             calibration_id,
             flags,
             joints_stale=self.joints.silent,
+            run_id=self.moving_run_id,
         )
         if current is None or all(foot.stale for foot in flags):
             self._out.publish_no_forces(stamp_ns, calibration_id, flags)

@@ -24,10 +24,12 @@ from shoecal_ros.common.actions import answered
 from shoecal_ros.common.codes import Code, Problem
 from shoecal_ros.common.conversions import trajectory_to_ros
 from shoecal_ros.common.health import Condition, Level
+from shoecal_ros.common.names import short_name
 from shoecal_ros.common.node import ShoecalNode
 from shoecal_ros.common.process import run
 from shoecal_ros.common.refusal import RefusedError, faults_refused
 from shoecal_ros.common.robot_files import RobotFiles
+from shoecal_ros.common.waiting import until
 from shoecal_ros.common.worker import Worker
 from shoecal_ros.inputs.imu import ImuInput
 from shoecal_ros.inputs.joints import JointInput
@@ -36,6 +38,7 @@ from shoecal_ros.inputs.shoe_reports import ShoeReports
 from shoecal_ros.inputs.temperatures import TemperatureInput
 from shoecal_ros.planner import heat, planning_work
 from shoecal_ros.planner.arming import Arming
+from shoecal_ros.planner.commanders import Commanders
 from shoecal_ros.planner.execution import Execution
 from shoecal_ros.planner.listeners import Listeners
 from shoecal_ros.planner.plan_job import PlanJob
@@ -48,6 +51,8 @@ R = TypeVar("R", Plan.Result, ReachSupport.Result)
 
 REACH = "robot/reach_support"
 """The action that own steps answer."""
+STATE_S = 1.0
+"""Wall-clock time in which `shoe/state`, ten times a second, reports that a job began or ended."""
 LAST_WORDS = Duration(seconds=1)
 """Wall-clock time that the robot gets to hear the last commands."""
 
@@ -72,6 +77,7 @@ class PlannerNode(ShoecalNode):
         self._execution: Execution | None = None
         self._command = self.create_publisher(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
         self.listeners = Listeners(self, self._command)
+        self._commanders = Commanders(self, self._command, self.moving.other_commanders)
         self._armed = self.create_publisher(Bool, "shoe/armed", qos.ARMED)
         self.peers.alone.add(self._armed.topic_name)
         self._armed.publish(Bool(data=False))
@@ -114,6 +120,10 @@ class PlannerNode(ShoecalNode):
         """Disarm what is not in use, and report the condition of joints and planning."""
         if self._busy:
             self.arming.use()
+        self._commanders.look()
+        if self.arming.armed and self._commanders.problem is not None:
+            self.arming.set(False)
+            self._armed.publish(Bool(data=False))
         # Repeated while it holds: so everybody knows soon when this node is gone.
         if self.arming.expire() or self.arming.armed:
             self._armed.publish(Bool(data=self.arming.armed))
@@ -122,7 +132,9 @@ class PlannerNode(ShoecalNode):
         self.health.note("joints", joints)
         self.health.report("arming", Level.OK, "armed" if self.arming.armed else "not armed")
         self.listeners.look()
-        self.health.note("commands", self.listeners.condition(armed=self.arming.armed))
+        problem = self._commanders.problem
+        commands = self.listeners.condition(armed=self.arming.armed)
+        self.health.note("commands", commands if problem is None else Condition.of(problem, ""))
         self._report_planning()
         latest = self.joints.latest
         angles = None if latest is None else latest.angles[0]
@@ -166,9 +178,14 @@ class PlannerNode(ShoecalNode):
             self.health.report("steps", Level.OK, f"this node offers {REACH}")
 
     def _arm(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
-        self.arming.set(request.data)
+        self._commanders.look()
+        problem = self._commanders.problem if request.data else None
+        self.arming.set(request.data and problem is None)
         self._armed.publish(Bool(data=self.arming.armed))
-        response.success = True
+        response.success = problem is None
+        if problem is not None:
+            response.message = f"not armed: {problem}"
+            return response
         response.message = (
             f"armed; disarms by itself after {self.moving.arm_timeout_s:g} s without use"
             if self.arming.armed
@@ -187,6 +204,7 @@ class PlannerNode(ShoecalNode):
         """One at a time; how it ended is in the result."""
 
         async def do() -> str:
+            await self._refuse_in_another_job(goal.request.run_id, result.BUSY)
             if self._busy:
                 raise RefusedError(result.BUSY, "another motion is under way; wait or cancel it")
             self._busy, self._execution = True, job.execution
@@ -202,6 +220,15 @@ class PlannerNode(ShoecalNode):
             return f"done; {heat.margin(self.senses.temperatures.degc, self.moving.hot_degc)}"
 
         return await answered(goal, result, do)
+
+    async def _refuse_in_another_job(self, run_id: str, code: int) -> None:
+        """While a job moves the robot, its own goals only: between two of them nothing is busy."""
+        shoes = self.senses.shoes
+        if not await until(lambda: shoes.job in {"", run_id}, STATE_S):
+            reported = (
+                f"job {short_name(shoes.job)} moves the robot; wait for it, cancel it or disarm"
+            )
+            raise RefusedError(code, reported)
 
 
 def main() -> None:

@@ -14,6 +14,11 @@ class MovingSettings(Settings):
     arm_timeout_s: float = setting(
         900.0, "s", "without use for that long it disarms: time to place the robot", minimum=1.0
     )
+    other_commanders: str = setting(
+        "",
+        "",
+        "nodes that may publish joint_trajectory, too, as a walk engine: names, by commas",
+    )
     stale_s: float = setting(
         0.5,
         "s",

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import tracemalloc
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -427,6 +428,27 @@ def test_a_file_that_is_packed_otherwise(lab: Lab, name: str, problem: str) -> N
     with pytest.raises(FileError) as caught:
         lab.draft(file)
     assert str(caught.value) == f"{file}: {problem}"
+
+
+BOMB = 96 * 2**20
+"""Bytes of zeros, which zstd packs into some kilobytes."""
+
+
+def test_a_chunk_that_would_fill_the_memory_is_refused_before_it_is_unpacked(lab: Lab) -> None:
+    bomb = lab.folder / "bomb.mcap"
+    with bomb.open("wb") as target:
+        writer = Writer(target, chunk_size=2 * BOMB, compression=CompressionType.ZSTD)
+        writer.start("ros2")
+        channel = writer.register_channel("/zeros", "cdr", 0)
+        writer.add_message(channel, 0, bytes(BOMB), 0)
+        writer.finish()
+    assert bomb.stat().st_size < BOMB / 1000
+    tracemalloc.start()
+    with pytest.raises(FileTooLargeError, match="holds a chunk of 96 MiB, more than 64; write"):
+        lab.draft(bomb)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak < BOMB / 10
 
 
 def test_chunks_compressed_by_lz4_are_read(lab: Lab) -> None:

@@ -529,6 +529,13 @@ def test_each_fault_of_a_urdf_is_one_error(name: str, folder: Path) -> None:
     assert problem in error.problem
 
 
+def test_a_urdf_of_endless_depth_is_refused_before_it_is_understood(folder: Path) -> None:
+    deep = 200_000
+    path = respelled(folder, "</robot>", "<a>" * deep + "</a>" * deep + "</robot>")
+    error = mutations.refused(folder / ODD_URDF.name, lambda: load_robot(path))
+    assert "<a> is within 100 other elements" in error.problem
+
+
 def test_a_urdf_that_cannot_be_read(folder: Path) -> None:
     path = mutations.write_edited(folder / ODD.name, ODD, (("urdf",), "."))
     assert "directory" in mutations.refused(folder, lambda: load_robot(path)).problem

@@ -46,6 +46,21 @@ def test_states_that_come_at_a_rate_are_missed_and_others_are_not() -> None:
     assert reports.ages["shoe/state"] == pytest.approx(2.0)
 
 
+def test_a_job_is_forgotten_with_its_node() -> None:
+    clock, there = Clock(), True
+    reports = ShoeReports(lambda: there, clock)
+    assert reports.job == ""
+    for _ in range(10):
+        clock.now += 0.1
+        reports.take_states([ShoeState(run_id="one")])
+    assert reports.job == "one"
+    clock.now += 4.0
+    assert not reports.job, "no states come"
+    reports.take_states([ShoeState(run_id="one")])
+    there = False
+    assert not reports.job
+
+
 def test_feet_that_carry() -> None:
     reports = ShoeReports()
     reports.take_states([state(True, False)])

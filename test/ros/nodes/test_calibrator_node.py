@@ -423,7 +423,8 @@ def test_one_job_at_a_time_and_an_end_when_nobody_reaches_supports(
     busy = world.call(SelfCalibrate, "shoe/self_calibrate", request)
     assert not busy.accepted
     assert busy.error_code == Calibrate.Result.BUSY
-    assert state(world, lambda one: one.state == ShoeState.CALIBRATING)
+    run_id = goal.feedback[0].run_id
+    assert state(world, lambda one: (one.state, one.run_id) == (ShoeState.CALIBRATING, run_id))
     world.until(lambda: goal.feedback[-1].stage == "reaching")
     supports.fail()
     result = goal.result()
@@ -432,7 +433,7 @@ def test_one_job_at_a_time_and_an_end_when_nobody_reaches_supports(
     world.until_logged("calibrator", f"[{result.run_id}] drawing 0: ")
     world.until_logged("calibrator", f"[{result.run_id}] self-calibration ended: ")
     assert (Path(result.session) / "session.yaml").is_file()
-    assert state(world, lambda one: one.state == ShoeState.UNCALIBRATED)
+    assert state(world, lambda one: (one.state, one.run_id) == (ShoeState.UNCALIBRATED, ""))
     supports.end()
     alone = calibrate(world, supports=2, train=2).result()
     assert alone.error_code == Calibrate.Result.SUPPORT_FAILED

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from sensor_msgs.msg import JointState
 from shoecal_msgs.action import Plan, ReachSupport
-from shoecal_msgs.msg import DoubleSupport
+from shoecal_msgs.msg import DoubleSupport, ShoeState
 from std_msgs.msg import Bool
 from std_srvs.srv import SetBool
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
@@ -55,6 +55,10 @@ def has_begun(goal: Goal) -> bool:
 
 def is_hold(commands: Received, after: int = 0) -> bool:
     return len(commands) > after and len(commands.last.points) == 1
+
+
+def more(heard: Received, count: int) -> bool:
+    return len(heard) > count
 
 
 class StillRobot:
@@ -202,6 +206,52 @@ def test_one_motion_at_a_time_and_cancelling_while_planning(world: World) -> Non
         assert plan(world).result().error_code == Plan.Result.BUSY
         goal.cancel()
         assert goal.result().error_code == Plan.Result.CANCELED
+
+
+@pytest.mark.parametrize("named", ["", "other, walker"])
+def test_nobody_else_commands_an_armed_robot_but_who_may(world: World, named: str) -> None:
+    world.start("planner", {**QUICK, "other_commanders": named})
+    armed = world.receive(Bool, "shoe/armed", qos.ARMED)
+    arm(world)
+    world.until(lambda: any(one.data for one in armed.messages))
+    for name, may in (("calibrator", True), ("walker", bool(named))):
+        rival = world.companion(name)
+        rival.create_publisher(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
+        world.until_discovered_by("planner", rival)
+        if may:
+            heard = len(armed)
+            world.until(partial(more, armed, heard + 25))
+            assert armed.last.data
+            continue
+        reported = f"'/{name}' publishes /joint_trajectory, too; stop one of them"
+        status = world.until_reported("planner", "commands", reported)
+        assert "other_commanders" in status.message
+        world.until(lambda: not armed.last.data)
+        answer = world.call(SetBool, "shoe/arm", SetBool.Request(data=True))
+        assert not answer.success
+        assert f"not armed: {reported}" in answer.message
+        world.dismiss(rival)
+        world.until_reported("planner", "commands", "no node subscribes")
+        arm(world)
+
+
+def test_while_a_job_moves_the_robot_only_its_own_goals_are_taken(still: World) -> None:
+    states = still.publisher(ShoeState, "shoe/state", qos.LATCHED)
+
+    def asked(run_id: str = "") -> Plan.Result:
+        return plan(still, motion="dance", run_id=run_id).result()
+
+    states.publish(ShoeState(state=ShoeState.CALIBRATING, run_id="20261122T034512123"))
+    still.until_discovered_by("planner")
+    still.until(lambda: asked().error_code == Plan.Result.BUSY)
+    for refused in (asked(), asked("20261122T000000000")):
+        assert refused.error_code == Plan.Result.BUSY
+        assert "job 20261122T034512123 moves the robot; wait for it" in refused.message
+    assert asked("20261122T034512123").error_code == Plan.Result.BAD_GOAL
+    # It ends while one waits.
+    waiting = plan(still, motion="dance")
+    states.publish(ShoeState(state=ShoeState.CALIBRATED))
+    assert waiting.result().error_code == Plan.Result.BAD_GOAL
 
 
 def test_without_joint_angles(world: World) -> None:
