@@ -54,7 +54,7 @@ class ShoeReports:
             self._state_times.append(self._clock())
             for foot in message.feet:
                 # Under a calibration that the robot contradicts readings are of use all the same:
-                # it has to move to be calibrated anew.
+                # it has to move to be calibrated again.
                 doubted = message.unconfirmed or message.disagrees
                 good = foot.valid or (doubted and not any(foot.status))
                 if good and not foot.stale:

@@ -24,7 +24,7 @@ MADE = Calibration(
     robot_hash="",
     shoe_hash="",
     channels=SHOE.names,
-    parameters=ChannelParameters(12.0 * SHOE.polarity, np.zeros(COUNT)),
+    parameters=ChannelParameters(np.where(SHOE.polarity > 0, 12.0, -12.0), np.zeros(COUNT)),
     covariance=0.01 * np.eye(2 * COUNT),
     corrections=(),
     weight=WEIGHT,
@@ -36,7 +36,7 @@ MADE = Calibration(
 
 
 def law(gain: float = 12.0, offset: float = 0.0) -> ChannelParameters:
-    return ChannelParameters(gain * SHOE.polarity, np.full(COUNT, offset))
+    return ChannelParameters(np.where(SHOE.polarity > 0, gain, -gain), np.full(COUNT, offset))
 
 
 def one(index: int, gain: float = 12.0, offset: float = 0.0) -> ChannelParameters:
