@@ -36,7 +36,10 @@ calibration says it knows it."""
 CONTRADICTION_SHARE = 0.05
 """Of the weight: beyond it, or so far from zero in the air, no statement makes forces usable."""
 REST_SHARE = 0.02
-"""Of the weight, standard deviation of GRF: with more something moves or touches the robot."""
+"""Of the weight, standard deviation of the parts' GRF: with more something moves or touches the
+robot."""
+PARTS = 5
+"""Of a window: of a second 0.2 s each, shorter than it takes to lift a robot."""
 
 
 class Judgement(IntEnum):
@@ -131,10 +134,11 @@ def judge(
         WrongShoeError: for another shoe's calibration.
     """
     weight, sensing = robot.weight, calibration.sensing(shoe)
-    total, half = sensing.measure(readings).total_grf, len(readings) // 2
+    total = sensing.measure(readings).total_grf
+    levels = _levels(total)
     known = largest(tolerance.force**2, false_alarm)
     bound = max(CONTRADICTION_SHARE * weight, known)
-    if not _at_rest(total, half, bound, weight) or np.abs(total).max() <= bound:
+    if not _at_rest(levels, bound, weight) or np.abs(levels).max() <= bound:
         return None
     limit = np.clip(
         largest(_grf_variance(calibration, sensing, readings, tolerance), false_alarm),
@@ -144,7 +148,7 @@ def judge(
     grf = Compared(float(total.mean()) - weight, float(limit), bound)
     if body is None or grf.judgement is Judgement.CONTRADICTS:
         return Agreement(grf)
-    mean = readings[half:].mean(axis=0)
+    mean = readings[len(readings) // 2 :].mean(axis=0)
     found = compare(
         calibration, shoe, mean, body, hanging_feet(calibration, shoe, mean, body), tolerance
     )
@@ -170,12 +174,16 @@ def _grf_variance(
     return float(expected_variance(own[0], force, shared=shares_model(calibration))[0])
 
 
-def _at_rest(total: FloatArray, half: int, bound: float, weight: float) -> bool:
-    """Whether GRF (k,) [N] is one force with noise; what is lifted or set down is none.
+def _levels(total: FloatArray) -> FloatArray:
+    """Means of parts of GRF (k,) [N] in turn: noise of cheap cells is neither motion nor load."""
+    parts = np.array_split(total, min(PARTS, len(total)))
+    return np.array([part.mean() for part in parts])
 
-    Beyond all doubt, noise of any size does not matter: gains may be far too large.
+
+def _at_rest(levels: FloatArray, bound: float, weight: float) -> bool:
+    """Whether GRF is one force: what is lifted, set down or pushed shows others in turn.
+
+    Forces that are beyond all doubt throughout need not be alike: gains may be far too large.
     """
-    if total.std() <= REST_SHARE * weight:
-        return True
-    one_side = total.min() > weight + bound or total.max() < -bound
-    return bool(one_side) and abs(total[:half].mean() - total[half:].mean()) <= total.std()
+    beyond = levels.min() > weight + bound or levels.max() < -bound
+    return bool(beyond or levels.std() <= REST_SHARE * weight)

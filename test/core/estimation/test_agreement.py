@@ -107,6 +107,14 @@ def test_in_the_air_nothing_is_judged() -> None:
     assert judged(shifted(0.9 * CONTRADICTION_SHARE * WEIGHT), forces=(0.0, 0.0)) is None
 
 
+@pytest.mark.parametrize("noise", [0.05, 0.5, 1.0])
+def test_noise_of_cheap_cells_is_neither_motion_nor_load(noise: float) -> None:
+    found = judged(TRUTH, noise=noise)
+    assert found is not None
+    assert found.judgement is Judgement.AGREES
+    assert judged(TRUTH, forces=(0.0, 0.0), noise=noise) is None
+
+
 def test_a_hanging_robot_whose_feet_read_a_force_contradicts() -> None:
     found = judged(shifted(1.1 * CONTRADICTION_SHARE * WEIGHT), forces=(0.0, 0.0))
     assert found is not None
