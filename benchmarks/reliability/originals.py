@@ -102,7 +102,9 @@ def calibration(identity: str = "made") -> Calibration:
         robot_hash=robot().digest,
         shoe_hash=shoe().digest,
         channels=shoe().names,
-        parameters=ChannelParameters(rng.uniform(8.0, 15.0, count), rng.uniform(-3.0, 3.0, count)),
+        parameters=ChannelParameters(
+            shoe().polarity * rng.uniform(8.0, 15.0, count), rng.uniform(-3.0, 3.0, count)
+        ),
         covariance=np.diag(rng.uniform(0.1, 1.0, 2 * count)),
         corrections=(
             CopCorrection(

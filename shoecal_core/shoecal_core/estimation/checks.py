@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.estimation.initial_guess import InitialGuess
 from shoecal_core.planning.supports.identifiability import Identifiability
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.samples.zeros import Zero
@@ -27,8 +26,16 @@ MOST_DIRECTIONS = 3
 """Directions without data in one reason; the report draws them all."""
 
 
-def check_gains(shoe: Shoe, guess: InitialGuess, parameters: ChannelParameters) -> list[Finding]:
-    """Gains of the wrong sign or of a size unlike the others'."""
+def check_gains(
+    shoe: Shoe, polarity: NDArray[np.int64], parameters: ChannelParameters
+) -> list[Finding]:
+    """Gains of the wrong sign or of a size unlike the others'.
+
+    Args:
+        shoe: of n channels.
+        polarity: (n,) signs of their gains, 0 where unknown.
+        parameters: of the calibration.
+    """
     findings = []
     for torque in (False, True):
         kind = np.flatnonzero(shoe.torque == torque)
@@ -37,7 +44,7 @@ def check_gains(shoe: Shoe, guess: InitialGuess, parameters: ChannelParameters) 
         typical = float(np.median(np.abs(parameters.gain[kind])))
         for index in kind:
             gain, name = float(parameters.gain[index]), shoe.names[index]
-            if np.sign(gain) != guess.polarity[index]:
+            if np.sign(gain) * polarity[index] < 0:
                 findings.append(
                     Finding(
                         "FAIL",

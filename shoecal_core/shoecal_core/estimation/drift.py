@@ -6,6 +6,7 @@ of, and by what weight and model may be off. What is beyond both has drifted.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from statistics import NormalDist
 
@@ -140,26 +141,30 @@ def drift_of(
 ) -> Drift:
     """Drift by the comparison of a loaded robot, for raw readings (n,); see `check_drift`."""
     own = np.diag(found.variance(readings, calibration.covariance))
-    variance = _expected(own[:3], found.tolerance[:3], shared=shares_model(calibration))
-    normal = NormalDist().inv_cdf(1.0 - false_alarm / 2.0)
+    variance = expected_variance(own[:3], found.tolerance[:3], shared=shares_model(calibration))
     foot = found.hanging.index(True) if any(found.hanging) else None
     return Drift(
         grf_error=found.grf,
         cop_error=found.cop,
         hanging_error=float("nan") if foot is None else float(found.error[3]),
-        grf_limit=normal * float(np.sqrt(variance[0])),
-        cop_limit=_longest(variance[1:3], false_alarm),
+        grf_limit=largest(float(variance[0]), false_alarm),
+        cop_limit=longest(variance[1:3], false_alarm),
         hanging_limit=(
             float("nan")
             if foot is None
-            else normal * float(np.sqrt(own[3] + found.tolerance[3] ** 2))
+            else largest(float(own[3] + found.tolerance[3] ** 2), false_alarm)
         ),
         hanging="" if foot is None else FEET[foot],
         covered=calibration.covariance is not None,
     )
 
 
-def _longest(variance: FloatArray, chance: float) -> float:
+def largest(variance: float, chance: float) -> float:
+    """Size that a normal error of this variance exceeds with a chance."""
+    return NormalDist().inv_cdf(1.0 - chance / 2.0) * math.sqrt(variance)
+
+
+def longest(variance: FloatArray, chance: float) -> float:
     """Length that a normal error with variances (2,) along x and y exceeds with a chance.
 
     Its square is taken as a multiple of chi-squared with the same mean and variance
@@ -172,8 +177,8 @@ def _longest(variance: FloatArray, chance: float) -> float:
     return float(np.sqrt(squares / total * chdtri(total**2 / squares, chance)))
 
 
-def _expected(own: FloatArray, tolerance: FloatArray, *, shared: bool) -> FloatArray:
-    """(3,) variance of the differences in GRF and CoP without drift.
+def expected_variance(own: FloatArray, tolerance: FloatArray, *, shared: bool) -> FloatArray:
+    """(k,) variance of the differences in GRF, or in GRF and CoP, without drift.
 
     Args:
         own: variance by the calibration.
@@ -183,5 +188,6 @@ def _expected(own: FloatArray, tolerance: FloatArray, *, shared: bool) -> FloatA
     """
     if not shared:
         return own + tolerance**2
-    cancelled = np.array([tolerance[0] ** 2, 0.0, 0.0])
+    cancelled = np.zeros(len(tolerance))
+    cancelled[0] = tolerance[0] ** 2
     return np.asarray(np.maximum(own - cancelled, (LEFT_SHARE * tolerance) ** 2))

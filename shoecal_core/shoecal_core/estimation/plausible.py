@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.calibration import Calibration
+from shoecal_core.estimation.checks import check_gains
 from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.wrench import by_parameters
 
 LARGEST_OUTPUT_N = 1e9
 """Of a channel at the ends of its range; counts with a gain of 1 N stay far below."""
-WEIGHT_FACTOR = 10.0
-"""The weight is that of robot and shoes, give or take this factor."""
+WEIGHT_STDS, WEIGHT_SHARE = 5.0, 0.01
+"""The weight is that of the robot file within so many of its standard uncertainties, or this share:
+another weight has scaled the gains alike."""
+GRF_STD_SHARES = (1e-4, 0.1)
+"""Of the weight: stated standard deviation of GRF with the weight evenly on all channels. Load
+cells of class C3 (OIML R 60) have 3e-4 of their range; less sure than a tenth says nothing."""
+SPANS_BEYOND = 1.0
+"""Spans of the converter's range by which a reading without any force may be beyond it."""
 LARGEST_TIME_OFFSET_S = 10.0
 TEMPERATURES_DEGC = (-100.0, 1000.0)
 LARGEST_TERM = 1e6
@@ -25,21 +35,24 @@ class ImplausibleError(ShoecalError):
     """A calibration with a value that no robot has."""
 
 
-def check_plausible(calibration: Calibration, shoe: Shoe, weight: float) -> None:
+def check_plausible(calibration: Calibration, shoe: Shoe, weight: float, weight_std: float) -> None:
     """Refuse values that are numbers, but no calibration's.
 
     Args:
         calibration: of this shoe.
         shoe: with the channels' ranges.
         weight: of the robot with its shoes [N].
+        weight_std: its standard uncertainty [N].
 
     Raises:
         ImplausibleError: names the first such value and its bound.
     """
     _check_texts(calibration)
-    _check_numbers(calibration, weight)
+    _check_numbers(calibration, weight, weight_std)
     _check_outputs(calibration, shoe)
+    _check_gains(calibration, shoe)
     _check_covariance(calibration)
+    _check_stated(calibration, shoe, weight)
     for correction in calibration.corrections:
         if max(np.abs(correction.x).max(), np.abs(correction.y).max()) > LARGEST_TERM:
             raise _refused(calibration, f"has a CoP correction with a term above {LARGEST_TERM:g}")
@@ -71,13 +84,13 @@ def _check_texts(calibration: Calibration) -> None:
             )
 
 
-def _check_numbers(calibration: Calibration, weight: float) -> None:
-    lowest, highest = weight / WEIGHT_FACTOR, weight * WEIGHT_FACTOR
-    if not lowest <= calibration.weight <= highest:
+def _check_numbers(calibration: Calibration, weight: float, weight_std: float) -> None:
+    bound = max(WEIGHT_STDS * weight_std, WEIGHT_SHARE * weight)
+    if not abs(calibration.weight - weight) <= bound:
         raise _refused(
             calibration,
             f"is of a robot of {calibration.weight:.4g} N; robot and shoes in use weigh "
-            f"{weight:.4g} N",
+            f"{weight:.4g} N within {bound:.2g} N",
         )
     if abs(calibration.time_offset) > LARGEST_TIME_OFFSET_S:
         raise _refused(calibration, f"has a time offset above {LARGEST_TIME_OFFSET_S:g} s")
@@ -101,6 +114,22 @@ def _check_outputs(calibration: Calibration, shoe: Shoe) -> None:
             f"makes {outputs[worst]:.3g} N of a reading of {calibration.channels[worst]}; at most "
             f"{LARGEST_OUTPUT_N:g}",
         )
+    span = np.ptp(ends, axis=1)
+    unloaded = -law.offset / law.gain
+    low, high = ends[:, 0] - SPANS_BEYOND * span, ends[:, 1] + SPANS_BEYOND * span
+    beyond = np.flatnonzero(np.isfinite(span) & ((unloaded < low) | (unloaded > high)))
+    for index in beyond[:1]:
+        raise _refused(
+            calibration,
+            f"has an offset of {law.offset[index]:g} N for {calibration.channels[index]}, which "
+            f"then reads {unloaded[index]:.3g} without force; its converter gives "
+            f"{ends[index, 0]:g} to {ends[index, 1]:g}",
+        )
+
+
+def _check_gains(calibration: Calibration, shoe: Shoe) -> None:
+    for finding in check_gains(shoe, shoe.polarity, calibration.parameters)[:1]:
+        raise _refused(calibration, f"has a gain that cannot be: {finding.reason}")
 
 
 def _check_covariance(calibration: Calibration) -> None:
@@ -115,6 +144,25 @@ def _check_covariance(calibration: Calibration) -> None:
         np.linalg.eigvalsh(covariance).min() < -rounding
     ):
         raise _refused(calibration, "has a covariance that is none: symmetric, nothing negative")
+
+
+def _check_stated(calibration: Calibration, shoe: Shoe, weight: float) -> None:
+    """What a covariance states of GRF is neither absurdly small nor absurdly large."""
+    if calibration.covariance is None:
+        return
+    vertical = calibration.calibrated(shoe).columns[:, 0]
+    law = calibration.parameters
+    evenly = weight / np.count_nonzero(vertical)
+    readings = (np.where(vertical != 0.0, evenly, 0.0) - law.offset) / law.gain
+    (jacobian,) = by_parameters(vertical[None], readings)
+    share = math.sqrt(max(0.0, jacobian @ calibration.covariance @ jacobian)) / weight
+    low, high = GRF_STD_SHARES
+    if not low <= share <= high:
+        raise _refused(
+            calibration,
+            f"states GRF to a standard deviation of {share:.2g} of the weight; possible is "
+            f"{low:g} to {high:g}, and no covariance where it is unknown",
+        )
 
 
 def _refused(calibration: Calibration, why: str) -> ImplausibleError:

@@ -348,7 +348,7 @@ def _verdict(
     findings: list[Finding],
     assessment: Assessment,
 ) -> Verdict:
-    findings = findings + check_gains(data.shoe, stages.guess, stages.parameters)
+    findings = findings + check_gains(data.shoe, stages.guess.polarity, stages.parameters)
     findings += of_time_offset(stages.time_offset)
     for name, error in modelled.items():
         findings += check_accuracy(name, error, data.robot, limits[name])

@@ -13,6 +13,7 @@ from shoecal_msgs.srv import Apply, GetCalibration, SetCalibration
 from std_srvs.srv import Trigger
 
 from shoecal_core.errors import FileError, FileMissingError, ShoecalError
+from shoecal_core.estimation.agreement import Judgement
 from shoecal_core.estimation.calibration import (
     Calibration,
     WrongShoeError,
@@ -20,6 +21,7 @@ from shoecal_core.estimation.calibration import (
 )
 from shoecal_core.screening.verdict import list_reasons
 from shoecal_ros.calibrator.active_calibration import UNCALIBRATED, ActiveCalibration
+from shoecal_ros.calibrator.agreement_watch import SEE, AgreementWatch
 from shoecal_ros.calibrator.calibration_store import CalibrationStore, NotApplicableError
 from shoecal_ros.calibrator.calibrator_base import CalibratorBase
 from shoecal_ros.calibrator.force_samples import ForceSamples
@@ -47,6 +49,7 @@ class CalibrationServer:
 
     Attributes:
         store: what is in force, and the files.
+        agreement: of what is in force with weight and model.
         problem: what of the files could not be taken, or why the last self-calibration ended
             without a result; None when all is well, and once a calibration comes in force.
     """
@@ -57,6 +60,7 @@ class CalibrationServer:
             folder, node.robot, node.shoe, simulated=node.simulated
         )
         self.problem = store.load(node.now_ns, warned=node.job_settings.apply_warned)
+        self.agreement = AgreementWatch(node)
         self._node = node
         self._mirroring = False
         # Of the self-calibrations since this node was started, by their run.
@@ -115,8 +119,9 @@ class CalibrationServer:
         """Apply the one in force with corrected offsets, whatever its checks said.
 
         Raises:
-            ShoecalError: with the cure.
+            ShoecalError: with the cure; also where the standing robot contradicts it.
         """
+        self._require_agreement(calibration)
         await self._apply(calibration, self._node.origin, force=True)
 
     # Applying
@@ -134,7 +139,9 @@ class CalibrationServer:
         Raises:
             ShoecalError: with the cure.
         """
-        self.store.check(calibration, origin, force=force, warned=warned)
+        self.store.check(calibration, origin, force=force, warned=warned, now_ns=self._node.now_ns)
+        if not force:
+            self._require_agreement(calibration)
         await self._change(calibration, origin)
 
     async def _change(self, calibration: Calibration, origin: Origin) -> None:
@@ -155,6 +162,15 @@ class CalibrationServer:
         self.problem = None
         self._put_in_force(calibration, origin)
 
+    def _require_agreement(self, calibration: Calibration) -> None:
+        """A calibration that the standing robot contradicts is not applied."""
+        found = self.agreement.judge(calibration)
+        if found is not None and found.judgement is Judgement.CONTRADICTS:
+            raise NotApplicableError(
+                f"calibration '{calibration.id}' contradicts the standing robot: {found.reason}; "
+                f"{SEE}; calibrate again, or set it with force"
+            )
+
     def _require_free(self) -> None:
         if self.changing:
             raise RefusedError(
@@ -173,6 +189,7 @@ class CalibrationServer:
             node.frames.soles,
             node.node_settings.sum_frame,
         )
+        self.agreement.begin(calibration)
         self._publisher.publish(calibration_to_ros(calibration, origin))
         self._mirror(calibration, origin)
 
@@ -241,6 +258,8 @@ class CalibrationServer:
                 calibration = calibration_from_ros(request.calibration)
                 origin = origin_from_ros(request.calibration)
                 await self._apply(calibration, origin, force=request.force)
+                doubts = self.agreement.doubts
+                response.unconfirmed, response.disagrees = doubts.unconfirmed, doubts.disagrees
         except ShoecalError as error:
             response.error_code, response.message = _code(error), self._refused(error)
         else:
@@ -271,7 +290,9 @@ class CalibrationServer:
         try:
             with faults_refused(self._node.log, SetCalibration.Response.FAILED, ShoecalError):
                 self._require_free()
-                await self._change(*self.store.one_before())
+                calibration, origin = self.store.one_before()
+                self._require_agreement(calibration)
+                await self._change(calibration, origin)
         except ShoecalError as error:
             response.message = self._refused(error)
         else:
@@ -283,7 +304,8 @@ class CalibrationServer:
         found = self.in_force
         assert found is not None
         reasons = list_reasons(found.calibration.reasons)
-        return f"{found.sentence}: {reasons}" if reasons else found.sentence
+        accepted = f"{found.sentence}: {reasons}" if reasons else found.sentence
+        return f"{accepted}; {self.agreement.condition.message}"
 
     def _refused(self, error: ShoecalError) -> str:
         """Why not, on screen too unless it is only to be called again."""

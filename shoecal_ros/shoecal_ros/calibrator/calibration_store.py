@@ -16,7 +16,7 @@ from shoecal_core.errors import FileError, ShoecalError, error_code
 from shoecal_core.estimation.calibration import Calibration, load_calibration, save_calibration
 from shoecal_core.estimation.plausible import check_plausible
 from shoecal_core.files import make_folder, read_error, sha256, sync_folder, system_error
-from shoecal_core.robot.robot import Robot
+from shoecal_core.robot.robot import GRAVITY, Robot
 from shoecal_core.screening.verdict import list_reasons
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_ros.calibrator.calibration_record import RecordEntry, read_record, write_record
@@ -27,6 +27,8 @@ CURRENT, BEFORE = "calibration.yaml", "calibration_before.yaml"
 NEXT, BEFORE_NEXT = "calibration_next.yaml", "calibration_before_next.yaml"
 """Laid ready for a change. While the first is there the change is not made."""
 RECORD = "in_force.yaml"
+AHEAD_NS = 60 * 10**9
+"""By which another computer's clock may be ahead of this one's."""
 
 
 class NotApplicableError(ShoecalError):
@@ -89,7 +91,9 @@ class CalibrationStore:
                 known = self._record.get(digest)
                 origin = _origin_of(calibration, known)
                 accepted = known is not None and (known.robot_hash, known.shoe_hash) == self._hashes
-                self.check(calibration, origin, force=accepted, warned=warned)
+                # The clock of a computer without a battery may be behind what was accepted here.
+                latest_ns = None if accepted else now_ns
+                self.check(calibration, origin, force=accepted, warned=warned, now_ns=latest_ns)
             except ShoecalError as error:
                 reported = str(error) if isinstance(error, FileError) else f"{path}: {error}"
                 problems.append(Problem(error_code(type(error)), reported))
@@ -112,6 +116,7 @@ class CalibrationStore:
         *,
         force: bool = False,
         warned: bool = False,
+        now_ns: int | None = None,
     ) -> None:
         """Whether a calibration may be applied to this robot and these shoes.
 
@@ -121,17 +126,27 @@ class CalibrationStore:
             force: also one that was made with other versions of the robot or the shoe file, or
                 whose checks warn.
             warned: also one whose checks warn.
+            now_ns: wall-clock time that it must not be made after [ns]; None: whenever.
 
         Raises:
             NotApplicableError, WrongShoeError, ImplausibleError: with the cure.
         """
+        robot = self._robot
         calibration.sensing(self._shoe)
-        check_plausible(calibration, self._shoe, self._robot.weight)
+        check_plausible(calibration, self._shoe, robot.weight, robot.mass_std * GRAVITY)
         origin = origin or Origin.of(calibration)
-        if origin.simulated and not self._simulated:
+        if origin.simulated != self._simulated:
+            here, cure = "wall-clock time", "on the robot itself"
+            if self._simulated:
+                here, cure = "simulated time", "in the simulation, or run without use_sim_time"
             raise NotApplicableError(
-                f"calibration '{calibration.id}' was made {origin}, but this node runs in "
-                "wall-clock time; calibrate on the robot itself"
+                f"calibration '{calibration.id}' was made {origin}, but this node runs in {here}; "
+                f"calibrate {cure}"
+            )
+        if not self._simulated and now_ns is not None and calibration.made_ns > now_ns + AHEAD_NS:
+            raise NotApplicableError(
+                f"calibration '{calibration.id}' was made more than {AHEAD_NS // 10**9} s from "
+                "now; set the clocks of both computers, or calibrate again"
             )
         reasons = list_reasons(calibration.reasons)
         if calibration.verdict == "FAIL":

@@ -56,6 +56,14 @@ class FootFlags:
     status: tuple[int, ...]
 
 
+@dataclass(frozen=True)
+class Doubts:
+    """About the calibration in force: see shoecal_msgs/msg/ShoeForces."""
+
+    unconfirmed: bool
+    disagrees: bool
+
+
 class OutputFilter:
     """First-order low-pass of all channels; it delays them by `delay_s`."""
 
@@ -129,17 +137,21 @@ class LiveSensing:
         self._last = lives[-1]
         return lives
 
-    def flags(self, stale: tuple[bool, bool]) -> tuple[FootFlags, FootFlags]:
+    def flags(
+        self, stale: tuple[bool, bool], *, usable: bool = True
+    ) -> tuple[FootFlags, FootFlags]:
         """Condition of both feet, left and right.
 
         Args:
             stale: which of them has no fresh readings.
+            usable: whether the robot's weight bears the calibration out.
         """
-        return self._flags(LEFT, stale[LEFT]), self._flags(RIGHT, stale[RIGHT])
+        left, right = (self._flags(foot, stale[foot], usable) for foot in (LEFT, RIGHT))
+        return left, right
 
-    def _flags(self, foot: int, stale: bool) -> FootFlags:
+    def _flags(self, foot: int, stale: bool, usable: bool) -> FootFlags:
         status = self._status[self._of_foot[foot]]
-        known = self._last is not None and not stale
+        known = usable and self._last is not None and not stale
         own = None if self._last is None else self._last.feet[foot]
         return FootFlags(
             loaded=self._last is not None and self._last.loaded[foot],

@@ -16,7 +16,7 @@ from shoecal_core.robot.kinematics import BodyStates
 from shoecal_core.shoe.instant import Place
 from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_ros.calibrator.force_samples import ForceSamples, no_forces
-from shoecal_ros.calibrator.live import FootFlags, Live, Wrench, wrench_of
+from shoecal_ros.calibrator.live import Doubts, FootFlags, Live, Wrench, wrench_of
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import header_to_ros, point_to_ros, wrench_to_ros
 
@@ -62,6 +62,7 @@ class LivePublishers:
         state: int,
         calibration_id: str,
         flags: Sequence[FootFlags],
+        doubts: Doubts,
         *,
         joints_stale: bool,
         run_id: str,
@@ -74,6 +75,8 @@ class LivePublishers:
                 calibration_id=calibration_id,
                 joints_stale=joints_stale,
                 run_id=run_id,
+                unconfirmed=doubts.unconfirmed,
+                disagrees=doubts.disagrees,
                 feet=[
                     FootState(
                         foot=foot,
@@ -90,7 +93,7 @@ class LivePublishers:
         )
 
     def publish_no_forces(
-        self, stamp_ns: int, calibration_id: str, flags: Sequence[FootFlags]
+        self, stamp_ns: int, calibration_id: str, flags: Sequence[FootFlags], doubts: Doubts
     ) -> None:
         """Publish `shoe/forces` without numbers: while uncalibrated, or without readings.
 
@@ -98,15 +101,17 @@ class LivePublishers:
             stamp_ns: of the last readings, or now [ns].
             calibration_id: in force; empty while uncalibrated.
             flags: of both feet now.
+            doubts: about the calibration.
         """
         if self._forces.get_subscription_count():
-            self._forces.publish(no_forces(stamp_ns, calibration_id, self._soles, flags))
+            self._publish_sample(no_forces(stamp_ns, calibration_id, self._soles, flags), doubts)
 
     def publish_forces(
         self,
         samples: ForceSamples,
         lives: Sequence[Live],
         flags: Sequence[FootFlags],
+        doubts: Doubts,
         states: BodyStates | None,
         noise: FloatArray,
     ) -> None:
@@ -116,12 +121,17 @@ class LivePublishers:
             samples: makes the messages.
             lives: instants.
             flags: of both feet now.
+            doubts: about the calibration.
             states: of the body; None where joint angles are stale.
             noise: (n,) standard deviations of the readings.
         """
         if self._forces.get_subscription_count():
             for live in lives:
-                self._forces.publish(samples.message(live, flags, states, noise))
+                self._publish_sample(samples.message(live, flags, states, noise), doubts)
+
+    def _publish_sample(self, message: ShoeForces, doubts: Doubts) -> None:
+        message.unconfirmed, message.disagrees = doubts.unconfirmed, doubts.disagrees
+        self._forces.publish(message)
 
 
 def _seen(live: Live, whose: int) -> tuple[int, Place | None, Wrench | None]:

@@ -59,6 +59,9 @@ class Code(StrEnum):
     SELF_CALIBRATION_ENDED = "self-calibration-ended"
     DIAGNOSIS_ENDED = "diagnosis-ended"
     DRIFTED = "drifted"
+    UNCONFIRMED = "unconfirmed"
+    DISAGREES = "disagrees"
+    CONTRADICTED = "contradicted"
 
     NOBODY_LISTENS = "nobody-listens"
     IMU_STALE = "imu-stale"

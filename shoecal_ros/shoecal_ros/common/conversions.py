@@ -282,9 +282,17 @@ def calibration_to_ros(calibration: Calibration, origin: Origin | None = None) -
 
 
 def origin_from_ros(message: ShoeCalibration) -> Origin:
-    """Where a calibration was made, as its message says; a simulated stamp is believed before."""
-    simulated = message.simulated_time or time_from_ros(message.header.stamp) < EPOCH_NS
-    return Origin(simulated, short_name(message.host), short_name(message.device))
+    """Where a calibration was made, as its message says.
+
+    Raises:
+        MessageError: for a stamp of simulated time that is said to be none.
+    """
+    if not message.simulated_time and time_from_ros(message.header.stamp) < EPOCH_NS:
+        raise MessageError(
+            f"calibration '{message.id}' is dated before the year 2000 and not of simulated time; "
+            "correct its stamp or simulated_time"
+        )
+    return Origin(message.simulated_time, short_name(message.host), short_name(message.device))
 
 
 def calibration_from_ros(message: ShoeCalibration) -> Calibration:

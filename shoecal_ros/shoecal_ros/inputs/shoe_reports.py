@@ -55,7 +55,11 @@ class ShoeReports:
             self._state = message
             self._state_times.append(self._clock())
             for foot in message.feet:
-                if foot.valid and not foot.stale:
+                # Under a calibration that the robot contradicts readings are of use all the same:
+                # it has to move to be calibrated again.
+                doubted = message.unconfirmed or message.disagrees
+                good = foot.valid or (doubted and not any(foot.status))
+                if good and not foot.stale:
                     self._useless_since[foot.foot] = np.inf
                     continue
                 # What never sent anything of use does not fall silent.

@@ -44,6 +44,7 @@ class CalibratorNode(CalibratorBase):
         self._out = LivePublishers(self, self.shoe, self.frames.soles)
         self.peers.alone |= self._out.topics
         self._calibrations = CalibrationServer(self)
+        self._agreement = self._calibrations.agreement
         self._rezeroing = RezeroServer(self, self._calibrations)
         self._drift = DriftMonitor(self, self._calibrations.store, self._rezeroing)
         self._support: DoubleSupport | None = None
@@ -62,6 +63,7 @@ class CalibratorNode(CalibratorBase):
         self._report_calibration()
         self.health.note("diagnosis", self._diagnoses.condition)
         self._drift.watch()
+        self.health.note("agreement", self._agreement.condition)
         self._publish_state()
         super().watch()
 
@@ -105,12 +107,18 @@ class CalibratorNode(CalibratorBase):
         joined = self.voltages.take(frames)
         # Where the right foot stands is known while angles come.
         support = None if self.joints.silent else self._support
+        states = None if self.joints.silent else self._states
         lives = self.live.take(joined, support)
         self._out.publish(lives)
+        self._agreement.take(joined, states)
         if self.force_samples is not None:
-            states = None if self.joints.silent else self._states
             self._out.publish_forces(
-                self.force_samples, lives, self._flags(), states, self.cells.noise
+                self.force_samples,
+                lives,
+                self._flags(),
+                self._agreement.doubts,
+                states,
+                self.cells.noise,
             )
         self.cells.learn()
         self.recorder.take(topic, serialised)
@@ -120,7 +128,7 @@ class CalibratorNode(CalibratorBase):
 
     def _flags(self) -> tuple[FootFlags, FootFlags]:
         left, right = self.voltages.feet
-        return self.live.flags((left.silent, right.silent))
+        return self.live.flags((left.silent, right.silent), usable=self._agreement.usable)
 
     def _publish_state(self) -> None:
         current = self._calibrations.store.current
@@ -132,11 +140,12 @@ class CalibratorNode(CalibratorBase):
             ShoeState.CALIBRATING if self._self_calibration.busy else state,
             calibration_id,
             flags,
+            self._agreement.doubts,
             joints_stale=self.joints.silent,
             run_id=self.moving_run_id,
         )
         if current is None or all(foot.stale for foot in flags):
-            self._out.publish_no_forces(stamp_ns, calibration_id, flags)
+            self._out.publish_no_forces(stamp_ns, calibration_id, flags, self._agreement.doubts)
 
     def _report_calibration(self) -> None:
         found, job = self._calibrations.in_force, self._self_calibration.condition

@@ -43,7 +43,7 @@ def test_clean_data_pass_every_check(shoe: Shoe, runs: list[Stance]) -> None:
     stages = self_calibrate(shoe, runs, SETTINGS)
     findings = [
         *of_time_offset(0.049),
-        *check_gains(shoe, stages.guess, stages.parameters),
+        *check_gains(shoe, stages.guess.polarity, stages.parameters),
     ]
     assert findings == []
     assert judge(findings).verdict == "PASS"
@@ -70,11 +70,13 @@ def test_a_gain_unlike_the_others(shoe: Shoe, factor: float, reason: str) -> Non
     for channel, name in enumerate(shoe.names):
         gain = clean.gain.copy()
         gain[channel] *= factor
-        (finding,) = check_gains(shoe, guess(shoe, clean), ChannelParameters(gain, clean.offset))
+        (finding,) = check_gains(
+            shoe, guess(shoe, clean).polarity, ChannelParameters(gain, clean.offset)
+        )
         assert finding.verdict == "FAIL"
         assert finding.reason.startswith(name)
         assert reason in finding.reason
-    assert check_gains(shoe, guess(shoe, clean), clean) == []
+    assert check_gains(shoe, guess(shoe, clean).polarity, clean) == []
 
 
 def test_a_cell_of_wrong_polarity_in_the_shoe_file_is_found_by_the_fit(
@@ -85,7 +87,7 @@ def test_a_cell_of_wrong_polarity_in_the_shoe_file_is_found_by_the_fit(
     )
     runs = synthetic.stances(shoe, turned, rng)
     stages = self_calibrate(shoe, runs, SETTINGS)
-    findings = check_gains(shoe, stages.guess, stages.parameters)
+    findings = check_gains(shoe, stages.guess.polarity, stages.parameters)
     assert [finding.reason.split()[0] for finding in findings] == [shoe.names[1]]
     assert judge(findings).verdict == "FAIL"
 
@@ -96,10 +98,10 @@ def test_forces_and_torques_are_compared_with_their_own_kind() -> None:
     gain = np.where(shoe.torque, 0.02, 1.0)
     parameters = ChannelParameters(gain, np.zeros(10))
     known = InitialGuess(parameters, shoe.polarity, np.nan, np.nan)
-    assert check_gains(shoe, known, parameters) == []
+    assert check_gains(shoe, known.polarity, parameters) == []
     gain = gain.copy()
     gain[3] = 1.0
-    (finding,) = check_gains(shoe, known, ChannelParameters(gain, np.zeros(10)))
+    (finding,) = check_gains(shoe, known.polarity, ChannelParameters(gain, np.zeros(10)))
     assert finding.reason.startswith("left/mx has gain 1, the others about 0.02")
 
 

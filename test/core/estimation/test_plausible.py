@@ -14,7 +14,7 @@ from shoecal_core.workspace import config_dir
 
 SHOE = load_shoe(config_dir() / "shoes" / "nao_shoe.yaml")
 COUNT = len(SHOE.names)
-WEIGHT = 54.0
+WEIGHT, WEIGHT_STD = 54.0, 0.3
 MADE = Calibration(
     id="made",
     source="self",
@@ -24,8 +24,8 @@ MADE = Calibration(
     robot_hash="",
     shoe_hash="",
     channels=SHOE.names,
-    parameters=ChannelParameters(np.full(COUNT, 12.0), np.zeros(COUNT)),
-    covariance=np.eye(2 * COUNT),
+    parameters=ChannelParameters(np.where(SHOE.polarity > 0, 12.0, -12.0), np.zeros(COUNT)),
+    covariance=0.01 * np.eye(2 * COUNT),
     corrections=(),
     weight=WEIGHT,
     time_offset=0.01,
@@ -36,7 +36,15 @@ MADE = Calibration(
 
 
 def law(gain: float = 12.0, offset: float = 0.0) -> ChannelParameters:
-    return ChannelParameters(np.full(COUNT, gain), np.full(COUNT, offset))
+    return ChannelParameters(np.where(SHOE.polarity > 0, gain, -gain), np.full(COUNT, offset))
+
+
+def one(index: int, gain: float = 12.0, offset: float = 0.0) -> ChannelParameters:
+    """One channel unlike the others."""
+    found = law()
+    found.gain[index] = gain * SHOE.polarity[index]
+    found.offset[index] = offset
+    return found
 
 
 def correction(term: float, low: float) -> CopCorrection:
@@ -46,10 +54,10 @@ def correction(term: float, low: float) -> CopCorrection:
 
 
 def test_what_robots_have_passes() -> None:
-    check_plausible(MADE, SHOE, WEIGHT)
+    check_plausible(MADE, SHOE, WEIGHT, WEIGHT_STD)
     counts = replace(MADE, parameters=law(gain=1.0), covariance=None, temperature=22.0)
-    check_plausible(counts, SHOE, WEIGHT)
-    check_plausible(replace(MADE, corrections=(correction(0.1, -1.0),)), SHOE, WEIGHT)
+    check_plausible(counts, SHOE, WEIGHT, WEIGHT_STD)
+    check_plausible(replace(MADE, corrections=(correction(0.1, -1.0),)), SHOE, WEIGHT, WEIGHT_STD)
 
 
 @pytest.mark.parametrize(
@@ -60,6 +68,14 @@ def test_what_robots_have_passes() -> None:
         ({"parameters": law(offset=-1e300)}, "N of a reading"),
         ({"weight": 1e300}, "robot and shoes in use weigh 54 N"),
         ({"weight": 1e-9}, "robot and shoes in use weigh 54 N"),
+        ({"weight": 3.0 * WEIGHT}, "robot and shoes in use weigh 54 N within 1.5 N"),
+        ({"weight": WEIGHT + 1.6}, "robot and shoes in use weigh 54 N within 1.5 N"),
+        ({"parameters": law(gain=-12.0)}, "gain that cannot be: left/front_left .*wrong sign"),
+        ({"parameters": one(0, gain=12.0 * 6.0)}, "gain that cannot be: left/front_left has gain"),
+        ({"parameters": one(1, offset=181.0)}, "offset of 181 N for left/front_right"),
+        ({"covariance": 1e-9 * 0.01 * np.eye(2 * COUNT)}, "states GRF .* possible is 0.0001 to"),
+        ({"covariance": 1e3 * 0.01 * np.eye(2 * COUNT)}, "states GRF .* possible is 0.0001 to 0.1"),
+        ({"covariance": np.zeros((2 * COUNT, 2 * COUNT))}, "states GRF"),
         ({"time_offset": -11.0}, "time offset"),
         ({"temperature": 1e6}, "degC"),
         ({"made_ns": -1}, "1970"),
@@ -81,4 +97,4 @@ def test_what_robots_have_passes() -> None:
 )
 def test_what_no_robot_has_is_refused_by_name(changes: dict[str, object], told: str) -> None:
     with pytest.raises(ImplausibleError, match=told):
-        check_plausible(replace(MADE, **changes), SHOE, WEIGHT)  # type: ignore[arg-type]
+        check_plausible(replace(MADE, **changes), SHOE, WEIGHT, WEIGHT_STD)  # type: ignore[arg-type]

@@ -19,6 +19,7 @@ from shoecal_core.estimation.calibration import (
 )
 from shoecal_core.files import read_yaml, write_yaml
 from shoecal_ros.calibrator.calibration_store import (
+    AHEAD_NS,
     BEFORE,
     CURRENT,
     NEXT,
@@ -185,13 +186,38 @@ def test_a_simulated_calibration_is_refused_on_the_robot(tmp_path: Path) -> None
     assert identity(again.current) == "next"
 
 
+def test_a_real_calibration_is_refused_in_simulated_time() -> None:
+    demo = store(Path(), simulated=True)
+    for force in (False, True):
+        with pytest.raises(NotApplicableError, match="calibrate in the simulation"):
+            demo.check(made("real"), force=force)
+    with pytest.raises(NotApplicableError, match="on host 'lab'"):
+        demo.check(made("real", made_ns=SIMULATED_NS), Origin(simulated=False, host="lab"))
+    demo.check(made("demo", made_ns=SIMULATED_NS))
+
+
+def test_a_calibration_of_the_future_is_refused_unless_it_was_accepted(tmp_path: Path) -> None:
+    kept = store(tmp_path)
+    late = made("late", made_ns=T0 + AHEAD_NS + 1)
+    for force in (False, True):
+        with pytest.raises(NotApplicableError, match="set the clocks"):
+            kept.check(late, force=force, now_ns=T0)
+    kept.check(late, now_ns=T0 + 1)
+    save_calibration(late, tmp_path / CURRENT)
+    assert "set the clocks" in str(kept.load(T0))
+    # The clock of a computer without a battery is behind until it is set.
+    assert kept.load(T0 + 1) is None
+    assert store(tmp_path).load(0) is None
+
+
 @pytest.mark.parametrize("noted", [True, False])
 def test_a_simulation_does_not_displace_a_real_calibration(tmp_path: Path, noted: bool) -> None:
     store(tmp_path).apply(made("real"), T0)
     if not noted:
         (tmp_path / RECORD).unlink()
     demo = store(tmp_path, simulated=True)
-    assert demo.load(SIMULATED_NS) is None
+    assert "'real' was made in wall-clock time" in str(demo.load(SIMULATED_NS))
+    assert demo.current is None
     with pytest.raises(NotApplicableError, match="a state_dir of its own"):
         demo.apply(made("demo", made_ns=SIMULATED_NS), SIMULATED_NS)
     real = store(tmp_path)

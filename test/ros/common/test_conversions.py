@@ -194,9 +194,11 @@ def test_the_origin_of_a_calibration_comes_back() -> None:
     assert not conversions.origin_from_ros(conversions.calibration_to_ros(made)).simulated
     early = conversions.calibration_to_ros(calibration(nao(), nao_shoe(), made_ns=10**11))
     assert early.simulated_time
-    # A sender that knows nothing of origins is not believed against the stamp.
-    early.simulated_time = False
     assert conversions.origin_from_ros(early).simulated
+    # Nobody is believed against the stamp.
+    early.simulated_time = False
+    with pytest.raises(MessageError, match="before the year 2000"):
+        conversions.origin_from_ros(early)
 
 
 def test_a_calibration_of_another_layout_is_refused() -> None:

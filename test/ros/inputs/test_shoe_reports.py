@@ -67,6 +67,24 @@ def test_feet_that_carry() -> None:
     assert reports.loaded == (True, False)
 
 
+@pytest.mark.parametrize("doubt", ["unconfirmed", "disagrees"])
+def test_readings_under_a_doubted_calibration_are_of_use_and_say_no_load(doubt: str) -> None:
+    """The robot has to move to be calibrated anew, and no load is known meanwhile."""
+    clock = Clock()
+    reports = ShoeReports(clock=clock)
+    doubted = state(valid=False)
+    setattr(doubted, doubt, True)
+    for one in (state(), doubted):
+        clock.now += 5.0
+        reports.take_states([one])
+    assert reports.ages["readings of the left foot"] == 0.0
+    assert reports.loaded == (None, None)
+    doubted.feet[0].status = [ShoeVoltages.NO_DATA]
+    reports.take_states([doubted])
+    clock.now += 1.0
+    assert reports.ages["readings of the left foot"] == pytest.approx(1.0)
+
+
 def test_numbers_that_are_not_valid_say_nothing() -> None:
     reports = ShoeReports()
     reports.take_states([state(valid=False)])

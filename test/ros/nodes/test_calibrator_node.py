@@ -129,6 +129,8 @@ def test_forces_and_places_are_live(live: World, robot: StandingRobot) -> None:
 
 def test_a_whole_sample_comes_in_one_message(live: World, robot: StandingRobot) -> None:
     forces = live.receive(ShoeForces, "shoe/forces", qos.LIVE)
+    # Once a second of standing has confirmed the calibration.
+    live.until(lambda: len(forces) and forces.last.both.valid)
     found = fresh(live, forces)
     assert (found.calibration, found.header.frame_id) == ("made-1", "l_sole")
     for foot, one in enumerate((found.left, found.right)):
