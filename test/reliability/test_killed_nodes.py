@@ -6,11 +6,11 @@ from shoecal_msgs.action import Calibrate
 
 from reliability.killed_nodes import (
     LATE_STAGES,
-    NODES,
     REST_S,
     ROW,
     STAGES,
     SUPPORTS,
+    VICTIMS,
     Scene,
     draw,
     of_motion,
@@ -23,13 +23,13 @@ from shoecal_ros.calibrator.run_series import PLAN_SHARE, REACH_SHARE
 def test_a_robot_whose_planner_is_killed_comes_to_rest() -> None:
     """One kill takes half a minute; the row does the others."""
     with live_world() as world:
-        rest_s, _ = Scene(world).kill("planner", "moving", 3.0, 0)
-    assert rest_s < REST_S
+        rest_s, _ = Scene(world).kill(("planner", "calibrator"), "moving", 3.0, 0)
+    assert rest_s < REST_S[True]
 
 
 def test_all_nodes_are_killed_at_all_moments() -> None:
     drawn = [draw(number, np.random.default_rng([0, number])) for number in range(ROW.tries)]
-    assert {node for node, _, _ in drawn} == set(NODES)
+    assert {nodes for nodes, _, _ in drawn} == set(VICTIMS)
     assert {stage for _, stage, _ in drawn} == {*STAGES, *LATE_STAGES}
     moving = [after_s for _, stage, after_s in drawn if stage == "moving"]
     standing_s = 1.5

@@ -134,7 +134,7 @@ def _followed(
     return True
 
 
-def topic_controller() -> StandIn:
+def topic_controller(topic: str = "legs/joint_trajectory") -> StandIn:
     """A new trajectory takes the place of the last."""
     robot = StandIn()
     newest: list[JointTrajectory] = []
@@ -145,7 +145,7 @@ def topic_controller() -> StandIn:
             target=_followed, args=(robot, message, lambda: newest[0] is not message), daemon=True
         ).start()
 
-    robot.create_subscription(JointTrajectory, "legs/joint_trajectory", take, 10)
+    robot.create_subscription(JointTrajectory, topic, take, 10)
     return robot
 
 
@@ -239,6 +239,7 @@ KINDS = {
     "nao_lola": nao_lola,
     "naoqi": naoqi,
     "topic": topic_controller,
+    "direct": lambda: topic_controller("joint_trajectory"),
     "action": action_controller,
     "slow_action": lambda: action_controller(40.0),
     "refusing_action": refusing_controller,

@@ -1,0 +1,287 @@
+"""A motion is under way, and nodes between the plan and the robot are killed or paused.
+
+The planner moves a NAO that is not there: by `/joint_trajectory` itself, as a controller with that
+topic does, or behind the messages of a driver, by an adapter: set points of `nao_lola` and
+`naoqi_driver2`, trajectories to a topic or an action of `ros2_control`. At a drawn moment, as a
+motion begins, in its midst, or on one foot, the planner, the adapter or both are killed (kill -9)
+or paused (SIGSTOP, for 0.5 to 5 s, then SIGCONT).
+
+Killed: the robot rests 0.5 s later, and stays at rest; the motion ends with a reason, and where the
+planner lives its diagnostics name the adapter; all that was killed is started again, and the next
+motion begins. The figure is the time from the kill to the last message of joint angles in which one
+had moved; what is sent 50 times a second, takes its way through three processes and is followed
+from point to point by the stand-in (0.05 s) is granted 0.2 s.
+
+Paused: when the process continues, the robot continues or stays, but does not go back on the course
+on which it came to rest; the figure is the farthest way back in the next 0.6 s, in which a command
+to hold a posture of before would have been done.
+
+Simulated: the robot and its driver, which is at once where it is told to be. So this shows what the
+suite does, not how a robot's motors hold. The planner's arming does not matter here: nothing takes
+it back.
+"""
+
+from __future__ import annotations
+
+import signal
+import time
+from collections.abc import Sequence
+from contextlib import ExitStack
+from functools import partial
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from sensor_msgs.msg import JointState
+from shoecal_msgs.action import Plan
+from std_srvs.srv import SetBool
+
+from reliability.live_world import Goal, World, live_tries, wait
+from reliability.row import Progress, Result, Row
+from reliability.tries import BrokenError
+from ros.adapters.driver_messages import SCRIPT, messages_of
+from ros.bodies import nao
+from shoecal_ros.common import qos
+from shoecal_ros.common.renewal import TIMEOUT_S
+
+OTHERS = "LShoulderPitch, RShoulderPitch"
+ADAPTERS: dict[str, tuple[str, dict[str, object]]] = {
+    "nao_lola": ("nao_lola_adapter", {}),
+    "naoqi": ("naoqi_adapter", {}),
+    "topic": ("controller_adapter", {"controller": "legs", "interface": "topic"}),
+    "action": ("controller_adapter", {"controller": "legs", "others": OTHERS}),
+}
+DIRECT = "direct"
+"""A robot that takes trajectories itself."""
+KINDS = {
+    ("planner",): (DIRECT, *ADAPTERS),
+    ("adapter",): tuple(ADAPTERS),
+    ("planner", "adapter"): tuple(ADAPTERS),
+}
+"""Of robots, by who is killed or paused."""
+PHASES = ("beginning", "moving", "on one foot")
+MOTIONS = {"beginning": "landmarks", "moving": "landmarks", "on one foot": "unload_right"}
+PLANNER: dict[str, object] = {
+    "tilt_required": False,
+    "load_required": False,
+    "stale_s": 3.0,
+    "follow_late": 4.0,
+    "planning.horizon": 5,
+    "planning.landmark_radius": 0.012,
+    "planning.com_speed": 0.03,
+}
+"""Neither an IMU nor shoes, shorter planning and motions, and patience on a busy machine."""
+GRANTED_S = 0.2
+LASTS_S = 2.0
+"""For so long after the time in which it has to come to rest the robot is watched."""
+PAUSE_S = (0.5, 5.0)
+COURSE_S = 0.2
+"""Over so long a way its course is taken: what is older is a posture of before."""
+BACK_S, BACK_RAD = 0.6, 2e-3
+"""Within so long a hold would have pulled it back, by more than that: the planner's motions pass
+0.03 rad in 0.2 s."""
+MOVED = 1e-6
+"""rad; an angle that differs by more has moved."""
+LIFTED = 0.004
+"""rad; the right ankle's way from where the motion began, by when a foot is about to be lifted."""
+LONG_S = 400.0
+
+FloatArray = NDArray[np.float64]
+
+
+class Scene:
+    """A planner, and the kinds of robots, with their adapters or without, in turn."""
+
+    def __init__(
+        self, world: World, *, victims: tuple[str, ...], attempt: Literal["kill", "pause"]
+    ) -> None:
+        self.world = world
+        self._victims = victims
+        self.attempt = self.kill if attempt == "kill" else self.pause
+        self._angles = np.zeros(0)
+        self._names: tuple[str, ...] = ()
+        self._moved_at = 0.0
+        self._seen: list[tuple[float, FloatArray]] = []
+        world.node.create_subscription(JointState, "joint_states", self._hear, qos.EITHER)
+
+    def kill(self, number: int, rng: np.random.Generator) -> float:
+        """Kill nodes in a motion; time until the robot rests [s]."""
+        victims = self._victims
+        kind, phase = drawn(victims, number)
+        nodes = self._begin(kind)
+        goal = self._until_moving(nodes, phase, rng)
+        killed_at = time.monotonic()
+        for victim in victims:
+            self.world.processes[nodes[victim]].kill()
+        for victim in victims:
+            self.world.kill(nodes[victim])
+        wait(self.world, TIMEOUT_S + GRANTED_S + LASTS_S)
+        rest_s = max(0.0, self._moved_at - killed_at)
+        if rest_s > TIMEOUT_S + GRANTED_S:
+            raise BrokenError(f"{kind}, {' and '.join(victims)}, {phase}: {rest_s:.2f} s to rest")
+        if "planner" not in victims:
+            self.world.until(lambda: nodes["adapter"] in self._reported("planner", "nodes"))
+            if goal.result().success:
+                raise BrokenError(f"{kind}: the planner took the motion for done")
+        self._start(kind, nodes, victims)
+        self._until_moving(nodes, "beginning", rng).cancel()
+        self._end(nodes)
+        return rest_s
+
+    def pause(self, number: int, rng: np.random.Generator) -> float:
+        """Pause nodes in a motion; the farthest way back afterwards [rad]."""
+        victims = self._victims
+        kind, phase = drawn(victims, number)
+        nodes = self._begin(kind)
+        goal = self._until_moving(nodes, phase, rng)
+        paused_s = float(rng.uniform(*PAUSE_S))
+        for victim in victims:
+            self.world.processes[nodes[victim]].send_signal(signal.SIGSTOP)
+        wait(self.world, paused_s)
+        resumed_at = time.monotonic()
+        for victim in victims:
+            self.world.processes[nodes[victim]].send_signal(signal.SIGCONT)
+        wait(self.world, BACK_S)
+        back = way_back(self._seen, resumed_at)
+        if back > BACK_RAD:
+            raise BrokenError(
+                f"{kind}, {' and '.join(victims)}, {phase}: {back:.4f} rad back after "
+                f"{paused_s:.1f} s"
+            )
+        goal.cancel()
+        goal.result()
+        self._end(nodes)
+        return back
+
+    def _begin(self, kind: str) -> dict[str, str]:
+        """Start a robot and what moves it; names of nodes by part."""
+        nodes = {"planner": "planner"}
+        knows = "planner"
+        if kind != DIRECT:
+            nodes["adapter"] = knows = ADAPTERS[kind][0]
+        self.world.start("robot", {"kind": kind, "adapter": knows}, script=SCRIPT)
+        self._start(kind, nodes, tuple(nodes))
+        return nodes
+
+    def _start(self, kind: str, nodes: dict[str, str], parts: tuple[str, ...]) -> None:
+        if "adapter" in parts:
+            self.world.start(*ADAPTERS[kind])
+        if "planner" in parts:
+            self.world.start("planner", PLANNER)
+        self.world.until_reported("planner", "planning", "ready")
+        self.world.until_reported("planner", "joints", "come")
+        listener = nodes.get("adapter", "robot")
+        self.world.until_reported("planner", "commands", listener)
+        self.world.until(lambda: listener not in self._reported("planner", "nodes"))
+
+    def _until_moving(self, nodes: dict[str, str], phase: str, rng: np.random.Generator) -> Goal:
+        """Arm, ask for a motion, and wait for a phase of it."""
+        world = self.world
+        world.call(SetBool, "shoe/arm", SetBool.Request(data=True))
+        if "adapter" in nodes:
+            world.until(lambda: self._reported(nodes["adapter"], "robot") == "armed")
+        goal = world.goal(Plan, "shoe/plan", Plan.Goal(motion=MOTIONS[phase], send=True))
+        world.until(lambda: goal.done or any(f.phase == "moving" for f in goal.feedback), LONG_S)
+        assert not goal.done, goal.result().message
+        first, self._seen = self._angles, []
+        if phase == "on one foot":
+            ankle = self._names.index("RAnkleRoll")
+            world.until(lambda: goal.done or abs(self._angles[ankle] - first[ankle]) > LIFTED)
+            wait(world, float(rng.uniform(0.5, 3.0)))
+        elif phase == "moving":
+            world.until(lambda: goal.done or np.abs(self._angles - first).max() > LIFTED)
+            wait(world, float(rng.uniform(0.0, 3.0)))
+        else:
+            wait(world, float(rng.uniform(0.0, 1.0)))
+        assert not goal.done, goal.result().message
+        return goal
+
+    def _end(self, nodes: dict[str, str]) -> None:
+        for node in (*nodes.values(), "robot"):
+            self.world.stop(node)
+
+    def _hear(self, message: JointState) -> None:
+        known = nao().joint_names
+        names = tuple(name for name in message.name if name in known)
+        angles = np.array(
+            [
+                angle
+                for name, angle in zip(message.name, message.position, strict=True)
+                if name in known
+            ]
+        )
+        now = time.monotonic()
+        angles = np.nan_to_num(angles)
+        if names != self._names or np.abs(angles - self._angles).max() > MOVED:
+            self._moved_at = now
+        self._names, self._angles = names, angles
+        self._seen.append((now, angles))
+
+    def _reported(self, node: str, subject: str) -> str:
+        found = self.world.diagnosis(node, subject)
+        return "" if found is None else str(found.message)
+
+
+def drawn(victims: tuple[str, ...], number: int) -> tuple[str, str]:
+    """Kind of robot and phase of the motion of a try."""
+    kinds = KINDS[victims]
+    return kinds[number % len(kinds)], PHASES[number // len(kinds) % len(PHASES)]
+
+
+def way_back(seen: Sequence[tuple[float, FloatArray]], resumed_at: float) -> float:
+    """Farthest way of a robot back on the course on which it came to rest [rad].
+
+    Args:
+        seen: times [s] and joint angles (m,) [rad], in order.
+        resumed_at: from when on the way counts [s].
+    """
+    times = np.array([at for at, _ in seen])
+    angles = np.stack([one for _, one in seen])
+    rest = angles[times <= resumed_at][-1]
+    going = np.abs(angles - rest).max(axis=1) > MOVED
+    before = times[going & (times <= resumed_at)]
+    if not len(before):
+        return 0.0
+    course = rest - angles[np.searchsorted(times, before[-1] - COURSE_S)]
+    course /= max(float(np.linalg.norm(course)), MOVED)
+    return float(np.max(-(angles[times > resumed_at] - rest) @ course, initial=0.0))
+
+
+def run(
+    victims: tuple[str, ...],
+    do: Literal["kill", "pause"],
+    first: int,
+    count: int,
+    seed: int,
+    progress: Progress,
+) -> Result:
+    """Tries first to first + count - 1, with the messages of all drivers."""
+    worst = {"kill": "{:.2f} s to rest", "pause": "{:.4f} rad back"}[do]
+    scene = partial(Scene, victims=victims, attempt=do)
+    with ExitStack() as stack:
+        for driver in ADAPTERS:
+            stack.enter_context(messages_of(driver))
+        return live_tries(scene, first, count, seed, progress, worst)
+
+
+def _row(do: Literal["kill", "pause"], victims: tuple[str, ...]) -> Row:
+    done = {"kill": "killed", "pause": "paused"}[do]
+    holds = {
+        "kill": "the robot rests within 0.5 s (0.2 s granted to messages), a new start works",
+        "pause": "no joint goes back to where it was before the pause",
+    }[do]
+    kinds = len(KINDS[victims])
+    return Row(
+        key=f"{done}-in-motion-{'-'.join(victims)}",
+        fault=f"{' and '.join(victims)} {done} in a motion",
+        holds=holds,
+        tries=kinds * len(PHASES) * {"kill": 1, "pause": 3}[do],
+        step=kinds,
+        run=partial(run, victims, do),
+    )
+
+
+ROWS = (
+    *(_row("kill", victims) for victims in KINDS),
+    *(_row("pause", victims) for victims in KINDS),
+)
