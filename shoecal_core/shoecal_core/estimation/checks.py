@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.estimation.known_shoe import Since
 from shoecal_core.planning.supports.identifiability import Identifiability
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.samples.zeros import Zero
@@ -116,6 +117,32 @@ def missing_text(runs: Sequence[int]) -> str:
     if len(runs) == 1:
         return f"run {runs[0]} was begun but its file is gone: put it back"
     return f"runs {', '.join(map(str, runs))} were begun but their files are gone: put them back"
+
+
+def check_since(
+    since: Since | None, manual: ChannelParameters, now: ChannelParameters, shoe: Shoe
+) -> list[Finding]:
+    """What has become of the shoes since their manual calibration, where the data show it.
+
+    Args:
+        since: None: there was none.
+        manual, now: gains and offsets then and now.
+        shoe: whose channels these are.
+    """
+    if since in {None, Since.STEADY}:
+        return []
+    zeros = now.offset - manual.offset
+    far = int(np.argmax(np.abs(zeros)))
+    unit = "N m" if shoe.torque[far] else "N"
+    reason = (
+        "the data contradict the manual calibration, so it was followed only in part: zeros moved "
+        f"since, most that of {shoe.names[far]} by {zeros[far]:+.2f} {unit}"
+    )
+    if since is Since.CHANGED:
+        gains = now.gain / manual.gain - 1.0
+        far = int(np.argmax(np.abs(gains)))
+        reason += f", and gains, most that of {shoe.names[far]} by {100.0 * gains[far]:+.1f} %"
+    return [Finding("WARN", f"{reason}; calibrate manually again if that is no drift")]
 
 
 def check_changed(files: Sequence[str]) -> list[Finding]:

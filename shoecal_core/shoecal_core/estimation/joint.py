@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import chdtri
 
 from shoecal_core.error_sources.settings import SignalSettings
 from shoecal_core.error_sources.tolerances import Tolerances
+from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.correction_fit import fit_corrections
 from shoecal_core.estimation.fit import SelfCalibration
 from shoecal_core.estimation.initial_guess import InitialGuess
 from shoecal_core.estimation.joint_fit import RATE_HZ, JointFit, fit_jointly
-from shoecal_core.estimation.known_shoe import KnownShoe
+from shoecal_core.estimation.known_shoe import KnownShoe, Since
 from shoecal_core.estimation.known_zeros import known_zeros
 from shoecal_core.estimation.least_squares import Fit
 from shoecal_core.samples.samples import Samples
@@ -26,6 +29,8 @@ from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import columns_in_left
 
 FloatArray = NDArray[np.float64]
+FALSE_CHANGE = 1e-3
+"""Chance that steady shoes are taken for changed ones."""
 SAMPLING = SampleSettings(rate_hz=RATE_HZ)
 """How a session becomes the samples of the joint fit."""
 
@@ -113,16 +118,41 @@ def of_joint(
     )
 
 
+def fit_with_known(
+    solve: Callable[[KnownShoe], JointFit], known: KnownShoe
+) -> tuple[JointFit, Since]:
+    """The joint fit under the strictest hypothesis about the shoes that the data do not contradict.
+
+    Each hypothesis contains the one before; the cost of a true one is larger by as much as chi
+    squared of the parameters that it fixes.
+
+    Args:
+        solve: the fit, given what is known.
+        known: of the shoe, by a manual calibration.
+
+    Raises:
+        ShoecalError: when it settles under none.
+    """
+    free = solve(known.under(Since.CHANGED))
+    count = len(known.parameters.gain)
+    for since, fixed in ((Since.STEADY, 2 * count), (Since.ZEROS, count)):
+        with suppress(ShoecalError):
+            joint = solve(known.under(since))
+            if joint.cost - free.cost <= chdtri(fixed, FALSE_CHANGE):
+                return joint, since
+    return free, Since.CHANGED
+
+
 def corrected(
-    stances: Mapping[int, tuple[Stance, ...]], joint: JointFit
+    stances: Mapping[int, tuple[Stance, ...]], joint: JointFit, shoe: Shoe
 ) -> dict[int, tuple[Stance, ...]]:
-    """Stances with the corrected reference, and with the columns of the fitted shoe, by run."""
+    """Stances with the corrected reference, and with the columns of a shoe, by run."""
     samples, shift = joint.signal_model.samples, joint.model_shift
     found = {}
     for run, parts in stances.items():
         here = samples.run == run
         found[run] = tuple(
-            _corrected(stance, joint.shoe, samples.time[here], shift[here]) for stance in parts
+            _corrected(stance, shoe, samples.time[here], shift[here]) for stance in parts
         )
     return found
 

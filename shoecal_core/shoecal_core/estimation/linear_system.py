@@ -95,11 +95,11 @@ class LinearSystem:
         there = signal_model.mask & fitted[:, None]
         more_rows, more_target = np.zeros((len(std), 0)), np.zeros(0)
         if known is not None:
-            by_gain, by_deviation, more_target = known.rows(
+            by_parameters, by_deviation, more_target = known.rows(
                 signal_model.samples.shoe, parameters, deviations
             )
             more_rows = np.zeros((len(std), len(more_target)))
-            more_rows[: by_gain.shape[1]] = by_gain.T
+            more_rows[:own] = by_parameters.T
             more_rows[own + 1 : own + 1 + len(deviations)] = by_deviation.T
         if zeros is not None:
             by_parameters, target = zeros.rows(parameters)

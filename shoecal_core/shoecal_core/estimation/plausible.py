@@ -17,9 +17,10 @@ LARGEST_OUTPUT_N = 1e9
 WEIGHT_STDS, WEIGHT_SHARE = 5.0, 0.01
 """The weight is that of the robot file within so many of its standard uncertainties, or this share:
 another weight has scaled the gains alike."""
-GRF_STD_SHARES = (1e-4, 0.1)
-"""Of the weight: stated standard deviation of GRF with the weight evenly on all channels. Load
-cells of class C3 (OIML R 60) have 3e-4 of their range; less sure than a tenth says nothing."""
+GRF_STD_SHARES = (1e-5, 0.1)
+"""Of the weight: stated standard deviation of GRF with the weight evenly on all channels. By weights
+on the shoe it is 6e-5 (`shoecal manual`), the repeatability of load cells hardly less than 1e-5;
+less sure than a tenth says nothing."""
 SPANS_BEYOND = 1.0
 """Spans of the converter's range by which a reading without any force may be beyond it."""
 LARGEST_TIME_OFFSET_S = 10.0

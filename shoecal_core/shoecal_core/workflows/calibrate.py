@@ -6,6 +6,7 @@ import hashlib
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +29,7 @@ from shoecal_core.estimation.checks import (
     check_expected,
     check_gains,
     check_missing,
+    check_since,
     check_zeros,
 )
 from shoecal_core.estimation.data_sheets import (
@@ -38,9 +40,9 @@ from shoecal_core.estimation.data_sheets import (
 )
 from shoecal_core.estimation.fit import SelfCalibration, prior_of, self_calibrate
 from shoecal_core.estimation.initial_guess import initial_guess
-from shoecal_core.estimation.joint import corrected, joint_calibration, of_joint
+from shoecal_core.estimation.joint import corrected, fit_with_known, joint_calibration, of_joint
 from shoecal_core.estimation.joint_fit import JointFit
-from shoecal_core.estimation.known_shoe import known_shoe
+from shoecal_core.estimation.known_shoe import Since, known_shoe
 from shoecal_core.estimation.lagging import check_lags, lags
 from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.estimation.residuals import ResidualWeights
@@ -148,6 +150,8 @@ def calibrate_session(
         stage: {name: errors(pairs) for name, pairs in sets.items()}
         for stage, sets in compared.items()
     }
+    if manual is not None:
+        found += check_since(fit.since, manual.parameters, stages.parameters, data.shoe)
     found += _check_fit(fit, settings)
     found += check_stances(data.of(train))
     found += check_axes(data.shoe, data.of(train))
@@ -179,6 +183,7 @@ class _Fit:
         training: stances that were fitted.
         stages, joint: how they were found; of a walk by the least squares alone.
         alone: gains and offsets without the data sheets, where these contradict the data.
+        since: what has become of the shoes since a manual calibration that was given.
     """
 
     data: SessionData
@@ -186,6 +191,7 @@ class _Fit:
     stages: SelfCalibration
     joint: JointFit | None
     alone: ChannelParameters | None = None
+    since: Since | None = None
 
 
 def _fit(
@@ -248,19 +254,28 @@ def _fit_once(
             common = common_zeros(data.shoe, data.zeros, train)
             training = at_common_zeros(data.shoe, training, data.zeros, common)
         return _Fit(data, training, self_calibrate(data.shoe, training, fitting, common), None)
-    known = None
-    if manual is not None:
-        sensing = manual.sensing(data.shoe)
-        known = known_shoe(data.shoe, sensing, manual.covariance, data.robot.weight)
     guess, guess_with_weight = (
         initial_guess(data.shoe, training, weight_row=row) for row in (False, True)
     )
     hanging = [zero for zero in data.zeros if zero.run in data.hanging]
-    joint = joint_calibration(data.samples, train, guess, fitting, tolerances, known, hanging)
-    data = replace(data, shoe=joint.shoe, stances=corrected(data.stances, joint))
+    solve = partial(
+        joint_calibration, data.samples, train, guess, fitting, tolerances, hanging=hanging
+    )
+    if manual is None:
+        joint, since = solve(), None
+        shoe = joint.shoe
+    else:
+        sensing = manual.sensing(data.shoe)
+        known = known_shoe(data.shoe, sensing, manual.covariance, data.robot.weight)
+        joint, since = fit_with_known(solve, known)
+        # Of steady shoes the weights on them have shown more than any motion does.
+        shoe = sensing.shoe if since is Since.STEADY else joint.shoe
+    data = replace(data, shoe=shoe, stances=corrected(data.stances, joint, shoe))
     training = data.of(train)
     stages = of_joint(joint, guess, guess_with_weight, training, fitting)
-    return _Fit(data, training, stages, joint)
+    if since is Since.STEADY:
+        stages = replace(stages, shoe=shoe, corrections=sensing.corrections)
+    return _Fit(data, training, stages, joint, since=since)
 
 
 def rezeroed(data: SessionData, parameters: ChannelParameters) -> dict[int, tuple[Stance, ...]]:

@@ -32,14 +32,14 @@ FloatArray = NDArray[np.float64]
 STALE_S = 0.5
 NOT_HEARD = "not armed: no node publishes whether it is"
 OLDEST_S = 0.2
-"""An older command is of a time when nobody knows what it was meant for."""
+"""An older command was meant for a robot that has moved on since."""
 REPORTED_S = 10.0
 """For so long it is reported that a trajectory was refused."""
 
 
 @dataclass(frozen=True)
 class GateSettings(Settings):
-    """What no trajectory may exceed, whoever sends it."""
+    """What no trajectory may exceed, from any sender."""
 
     joint_speed: float = setting(
         1.0, "rad/s", "a trajectory with a faster joint is refused; planned ones stay below 0.4",

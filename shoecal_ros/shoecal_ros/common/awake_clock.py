@@ -1,4 +1,4 @@
-"""Time in which this process was awake: its own sleep is nobody else's silence."""
+"""Time in which this process was awake: its own sleep is no silence of others."""
 
 from __future__ import annotations
 

@@ -3,7 +3,7 @@
 Who follows a trajectory follows it to its end, whatever has become of who sent it. So no more is
 ever sent than the next half a second of it, slowing down to rest along its path; and while all is
 well the next piece comes before that slowing down has begun. A robot whose sender is killed, hangs,
-or is cut off rests half a second after the last piece, and needs nobody who notices.
+or is cut off rests half a second after the last piece, without anything that has to notice.
 """
 
 from __future__ import annotations

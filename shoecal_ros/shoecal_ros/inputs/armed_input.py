@@ -36,7 +36,7 @@ class ArmedInput:
     ) -> None:
         self.heard = self.reported = self._repeats = False
         self.disarmings = 0
-        # Who was asleep itself has heard nobody, and nobody has gone for that.
+        # After a sleep of this process the messages of others still wait to be heard.
         self._clock = clock or node.awake
         self._lease_s = lease_s
         self._heard_at = 0.0

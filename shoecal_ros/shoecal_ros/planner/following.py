@@ -67,7 +67,7 @@ class Follower:
 
         Args:
             trajectory: of all joints that are measured, in that order.
-            renewal: tells how far it was sent.
+            renewal: how far it was sent.
             start_ns: when it began [ns].
             error_bound: a joint farther off than this is lost [rad].
             late_s: how late the robot may be [s].

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.error_sources.as_built import plates_column
 from shoecal_core.error_sources.deviation import Deviation
-from shoecal_core.estimation.known_shoe import KnownShoe, known_shoe
+from shoecal_core.estimation.known_shoe import KnownShoe, Since, known_shoe
 from shoecal_core.shoe.correction import CopCorrection
 from shoecal_core.shoe.sensing import Sensing
 from shoecal_core.shoe.shoe import FEET, Shoe, load_shoe
@@ -85,16 +85,26 @@ def test_gains_count_by_what_they_are_too_large(shoe: Shoe) -> None:
     parameters = ChannelParameters(np.full(8, 10.0), np.zeros(8))
     known = known_shoe(shoe, manual(shoe, parameters), np.diag(np.full(16, 0.01)), WEIGHT)
     larger = ChannelParameters(parameters.gain + 0.3, parameters.offset)
-    by_gain, _, target = rows(known, shoe, larger)
-    found = np.linalg.lstsq(by_gain[:8], target[:8], rcond=None)[0]
-    np.testing.assert_allclose(found, 0.3)
-    np.testing.assert_allclose(known.gain_std, np.hypot(0.1, 0.05))
+    by_parameters, _, target = rows(known, shoe, larger)
+    found = np.linalg.lstsq(by_parameters[:16], target[:16], rcond=None)[0]
+    np.testing.assert_allclose(found, np.repeat([0.3, 0.0], 8), atol=1e-12)
 
 
-def test_without_corrections_only_gains_are_known(shoe: Shoe) -> None:
+def test_each_hypothesis_allows_more(shoe: Shoe) -> None:
+    parameters = ChannelParameters(np.full(8, 10.0), np.zeros(8))
+    known = known_shoe(shoe, manual(shoe, parameters), np.diag(np.full(16, 0.01)), WEIGHT)
+    stds = {since: np.sqrt(np.diag(known.under(since).now)) for since in Since}
+    steady, zeros, changed = (stds[since] for since in Since)
+    np.testing.assert_allclose(steady, 0.1, rtol=1e-3)
+    np.testing.assert_allclose(zeros, np.repeat([0.1, np.hypot(0.1, 0.1 * WEIGHT)], 8), rtol=1e-3)
+    np.testing.assert_allclose(changed[:8], np.hypot(0.1, 0.05))
+    np.testing.assert_array_equal(changed[8:], zeros[8:])
+
+
+def test_without_corrections_only_gains_and_offsets_are_known(shoe: Shoe) -> None:
     parameters = ChannelParameters(np.full(8, 10.0), np.zeros(8))
     known = known_shoe(shoe, Sensing(shoe, parameters), None, WEIGHT)
-    by_gain, by_deviation, target = rows(known, shoe, parameters)
-    assert by_gain.shape == (8, 8)
-    assert by_deviation.shape == (8, 5)
-    assert target.shape == (8,)
+    by_parameters, by_deviation, target = rows(known, shoe, parameters)
+    assert by_parameters.shape == (16, 16)
+    assert by_deviation.shape == (16, 5)
+    assert target.shape == (16,)

@@ -214,25 +214,24 @@ def test_nobody_else_commands_an_armed_robot_but_who_may(world: World, named: st
     armed = world.receive(Bool, "shoe/armed", qos.ARMED)
     arm(world)
     world.until(lambda: any(one.data for one in armed.messages))
-    for name, may in (("calibrator", True), ("walker", bool(named))):
-        rival = world.companion(name)
-        rival.create_publisher(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
-        world.until_discovered_by("planner", rival)
-        if may:
-            heard = len(armed)
-            world.until(partial(more, armed, heard + 25))
-            assert armed.last.data
-            continue
-        reported = f"'/{name}' publishes /joint_trajectory, too; stop one of them"
-        status = world.until_reported("planner", "commands", reported)
-        assert "other_commanders" in status.message
-        world.until(lambda: not armed.last.data)
-        answer = world.call(SetBool, "shoe/arm", SetBool.Request(data=True))
-        assert not answer.success
-        assert f"not armed: {reported}" in answer.message
-        world.dismiss(rival)
-        world.until_reported("planner", "commands", "no node subscribes")
-        arm(world)
+    rival = world.companion("walker")
+    rival.create_publisher(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
+    world.until_discovered_by("planner", rival)
+    if named:
+        heard = len(armed)
+        world.until(partial(more, armed, heard + 25))
+        assert armed.last.data
+        return
+    reported = "'/walker' publishes /joint_trajectory, too; stop one of them"
+    status = world.until_reported("planner", "commands", reported)
+    assert "other_commanders" in status.message
+    world.until(lambda: not armed.last.data)
+    answer = world.call(SetBool, "shoe/arm", SetBool.Request(data=True))
+    assert not answer.success
+    assert f"not armed: {reported}" in answer.message
+    world.dismiss(rival)
+    world.until_reported("planner", "commands", "no node subscribes")
+    arm(world)
 
 
 def test_while_a_job_moves_the_robot_only_its_own_goals_are_taken(still: World) -> None:
