@@ -89,7 +89,7 @@ caught-faults: setup  ## faults put into recordings, how many are caught (ARGS="
 	$(BIN)/python benchmarks/caught_faults.py $(ARGS)
 
 faults: export OPENBLAS_NUM_THREADS := 1
-faults: setup  ## every fault very often, into docs/evidence/reliability.md (ARGS="--share 0.1")
+faults: setup stand-ins  ## every fault very often, into docs/evidence/reliability.md (ARGS="--share 0.1")
 	$(BIN)/python benchmarks/faults.py $(ARGS)
 
 figures: setup  ## the figures of README, conventions and motions, into docs/figures

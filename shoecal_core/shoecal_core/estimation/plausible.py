@@ -18,9 +18,9 @@ WEIGHT_STDS, WEIGHT_SHARE = 5.0, 0.01
 """The weight is that of the robot file within so many of its standard uncertainties, or this share:
 another weight has scaled the gains alike."""
 GRF_STD_SHARES = (1e-5, 0.1)
-"""Of the weight: stated standard deviation of GRF with the weight evenly on all channels. Weights on
-the shoe give 6e-5 (`shoecal manual`), and no load cell repeats to less than 1e-5; less sure than a
-tenth says nothing."""
+"""Of the weight: stated standard deviation of GRF with the weight evenly on all channels. Weights
+on the shoe give 6e-5 (`shoecal manual`), and no load cell repeats to less than 1e-5; less sure
+than a tenth says nothing."""
 SPANS_BEYOND = 1.0
 """Spans of the converter's range by which a reading without any force may be beyond it."""
 LARGEST_TIME_OFFSET_S = 10.0
