@@ -82,6 +82,8 @@ BACK_S, BACK_RAD = 0.6, 2e-3
 0.03 rad in 0.2 s."""
 MOVED = 1e-6
 """rad; an angle that differs by more has moved."""
+BEGUN = 1e-4
+"""rad; a motion has begun."""
 LIFTED = 0.004
 """rad; the right ankle's way from where the motion began, by when a foot is about to be lifted."""
 LONG_S = 400.0
@@ -184,15 +186,17 @@ class Scene:
         world.until(lambda: goal.done or any(f.phase == "moving" for f in goal.feedback), LONG_S)
         assert not goal.done, goal.result().message
         first, self._seen = self._angles, []
+
+        def moved() -> FloatArray:
+            return np.abs(self._angles - first)
+
+        # A motion begins with standing.
+        world.until(lambda: goal.done or moved().max() > BEGUN)
         if phase == "on one foot":
             ankle = self._names.index("RAnkleRoll")
-            world.until(lambda: goal.done or abs(self._angles[ankle] - first[ankle]) > LIFTED)
+            world.until(lambda: goal.done or moved()[ankle] > LIFTED)
+        if phase != "beginning":
             wait(world, float(rng.uniform(0.5, 3.0)))
-        elif phase == "moving":
-            world.until(lambda: goal.done or np.abs(self._angles - first).max() > LIFTED)
-            wait(world, float(rng.uniform(0.0, 3.0)))
-        else:
-            wait(world, float(rng.uniform(0.0, 1.0)))
         assert not goal.done, goal.result().message
         return goal
 

@@ -24,6 +24,7 @@ from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import PartialError, ShoecalError
 from shoecal_core.recording.errors import SessionError
+from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.workflows.diagnose import Diagnosed, DiagnosisRequest, attempt, do
 from shoecal_core.workflows.many_jobs import over_cluster, over_cores
 
@@ -120,6 +121,7 @@ def _jobs_of(args: argparse.Namespace) -> list[DiagnosisRequest]:
     several = len(args.sessions) > 1
     settings = settings_of(DiagnosisSettings, args.settings, "diagnosis")
     tolerances = settings_of(Tolerances, args.settings, "tolerances")
+    screening = settings_of(CalibrationSettings, args.settings, "calibration")
     jobs, seen = [], set()
     for session in args.sessions:
         if session.resolve() in seen:
@@ -130,6 +132,7 @@ def _jobs_of(args: argparse.Namespace) -> list[DiagnosisRequest]:
                 session=session.absolute() if args.scheduler else session,
                 settings=settings,
                 tolerances=tolerances,
+                screening=screening,
                 calibration=args.calibration,
                 weight_kg=args.weight_kg,
                 rezero=args.rezero,

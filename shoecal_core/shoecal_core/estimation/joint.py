@@ -100,7 +100,7 @@ def of_joint(
         vector=joint.vector,
         cost=joint.cost,
         initial_cost=joint.initial_cost,
-        gradient_norm=joint.last_step,
+        gradient_norm=joint.gradient_norm,
         covariance=joint.covariance[:size, :size],
         information=joint.information,
         singular_values=np.sqrt(np.clip(values[order], 0.0, None)),

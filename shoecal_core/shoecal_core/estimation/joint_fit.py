@@ -74,7 +74,8 @@ class JointFit:
         cost: sum of whitened squares, priors included.
         initial_cost: the same at the initial guess.
         steps: of Gauss-Newton.
-        last_step: the largest component of the last one, in units of its prior.
+        gradient_norm: largest derivative of the cost by gains and offsets before the last step, all
+            else being fitted, in units of each one's standard deviation.
         residuals: (T, s) what neither deviations nor nuisances explain.
     """
 
@@ -87,7 +88,7 @@ class JointFit:
     cost: float
     initial_cost: float
     steps: int
-    last_step: float
+    gradient_norm: float
     residuals: FloatArray
 
     @property
@@ -213,7 +214,7 @@ def fit_jointly(
                 raise _unsettled(moved) from None
             steps += 1
     assert initial_cost is not None
-    return _joint_fit(system, signal_model, solution, initial_cost, steps, moved)
+    return _joint_fit(system, signal_model, solution, initial_cost, steps)
 
 
 def _unsettled(moved: float) -> ShoecalError:
@@ -257,7 +258,6 @@ def _joint_fit(
     solution: FloatArray,
     initial_cost: float,
     steps: int,
-    moved: float,
 ) -> JointFit:
     """The result, for a solution that has settled."""
     first = 2 * len(signal_model.parameters.gain) + 1
@@ -266,6 +266,9 @@ def _joint_fit(
     sign = np.ones(size)
     sign[: first - 1] = -1.0
     covariance = system.covariance()[:size, :size] * np.outer(sign, sign)
+    own = first - 1
+    # The cost is quadratic about its minimum, which the last step leads to.
+    gradient = 2.0 * np.linalg.solve(covariance[:own, :own], sign[:own] * solution[:own])
     stds = np.sqrt(np.diag(covariance))[first:]
     fitted = tuple(
         FittedDeviation(one, float(value), float(std))
@@ -284,6 +287,6 @@ def _joint_fit(
         cost=system.cost(solution),
         initial_cost=initial_cost,
         steps=steps,
-        last_step=moved,
+        gradient_norm=float(np.abs(np.sqrt(np.diag(covariance)[:own]) * gradient).max()),
         residuals=system.signal_model.residuals - np.tensordot(solution, system.columns, 1),
     )

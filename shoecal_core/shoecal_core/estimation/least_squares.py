@@ -114,11 +114,12 @@ def minimise(rows: Rows, prior: Prior, max_evaluations: int = MAX_EVALUATIONS) -
     covariance = np.zeros((len(free), len(free)))
     kept = whole[:, free]
     covariance[np.ix_(free, free)] = Posterior(kept.T @ kept, scale**-2.0).covariance
+    std = np.sqrt(np.diag(covariance)[free]) / scale
     return Fit(
         vector=vector,
         cost=2.0 * float(found.cost),
         initial_cost=float(initial @ initial),
-        gradient_norm=float(np.abs(found.grad).max(initial=0.0)),
+        gradient_norm=float(np.abs(2.0 * std * found.grad).max(initial=0.0)),
         covariance=covariance,
         information=whole.T @ whole,
         singular_values=np.sqrt(np.clip(values[order], 0.0, None)),

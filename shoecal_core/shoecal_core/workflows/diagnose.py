@@ -14,7 +14,7 @@ from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import NameNotFoundError, ShoecalError
 from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.estimation.series import errors, measured_series, modelled_series
-from shoecal_core.estimation.session_data import load_data
+from shoecal_core.estimation.session_data import SessionData, load_data
 from shoecal_core.progress import Progress, no_progress
 from shoecal_core.recording.session import Session
 from shoecal_core.report.origin import origin
@@ -34,6 +34,7 @@ class DiagnosisRequest:
     Attributes:
         session: its folder.
         settings, tolerances: of the diagnosis.
+        screening: settings by which the runs are screened for the calibration's own gap.
         calibration: file of one whose own gap is reported as well; None: none.
         weight_kg: of robot and shoes, in place of the robot file's; None: that.
         rezero: whether each run is taken with its own zeros.
@@ -50,6 +51,7 @@ class DiagnosisRequest:
     session: Path
     settings: DiagnosisSettings = field(default_factory=DiagnosisSettings)
     tolerances: Tolerances = field(default_factory=Tolerances)
+    screening: CalibrationSettings = field(default_factory=CalibrationSettings)
     calibration: Path | None = None
     weight_kg: float | None = None
     rezero: bool = False
@@ -149,7 +151,9 @@ def do(job: DiagnosisRequest, progress: Progress = no_progress) -> Diagnosed:
         # Matplotlib takes a second to load, which most calls need not wait for.
         from shoecal_core.report.diagnosis_report import write_diagnosis_report  # noqa: PLC0415
 
-        robot = load_robot(session.robot_yaml, session.shoe, urdf=session.robot_urdf)
+        robot = load_robot(
+            session.robot_yaml, session.shoe, urdf=session.robot_urdf, weight_kg=job.weight_kg
+        )
         provenance = (
             origin(session, (*found.train, *found.test)),
             f"Session folder {session.folder.name}.",
@@ -157,7 +161,10 @@ def do(job: DiagnosisRequest, progress: Progress = no_progress) -> Diagnosed:
         write_diagnosis_report(
             found, job.report, robot=robot, shoe=session.shoe, provenance=provenance
         )
-    calibrated = None if calibration is None else _calibrated(calibration, session, found.test)
+    calibrated = None
+    if calibration is not None:
+        data = load_data(session, found.test, job.screening, weight_kg=job.weight_kg)
+        calibrated = _calibrated(calibration, data)
     progress("done", 1.0)
     parameters = None if calibration is None else calibration.parameters
     return Diagnosed(
@@ -181,10 +188,12 @@ def _library(own: Path | None) -> tuple[Effect, ...]:
     return EFFECTS if own is None else (*EFFECTS, *effects_from(own))
 
 
-def _calibrated(calibration: Calibration, session: Session, runs: tuple[int, ...]) -> CalibratedGap:
-    data = load_data(session, runs, CalibrationSettings())
+def _calibrated(calibration: Calibration, data: SessionData) -> CalibratedGap:
     sensing = calibration.sensing(data.shoe)
     found = errors(
-        [(measured_series(sensing, stance), modelled_series(stance)) for stance in data.of(runs)]
+        [
+            (measured_series(sensing, stance), modelled_series(stance))
+            for stance in data.of(list(data.runs))
+        ]
     )
     return CalibratedGap(calibration.id, 1e3 * found.cop.mean, found.grf.mean)

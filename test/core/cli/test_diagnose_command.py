@@ -103,7 +103,25 @@ def test_a_weight_of_the_scale(shoecal: Run, simulated: Path, tmp_path: Path) ->
     assert weighed["grf_mae_n"] != usual["grf_mae_n"]
 
 
-@pytest.mark.parametrize("section", ["diagnosis", "tolerances"])
+def test_the_gap_of_a_calibration_is_against_the_weight_that_was_given(
+    shoecal: Run, simulated: Path, calibrated: Path, tmp_path: Path
+) -> None:
+    figures, weight = tmp_path / "figures.json", 9.81
+    gaps = []
+    for kg in (None, 9.0):
+        words = [] if kg is None else ["--weight-kg", str(kg)]
+        code, _, error = shoecal(
+            "diagnose", simulated, *words, "--calibration", calibrated, "--only", "payload",
+            "--train", "1,2", "--test", "3", "--no-simulation", "--json", figures,
+        )  # fmt: skip
+        assert code == 0, error
+        gaps.append(json.loads(figures.read_text())["calibration"]["grf_mae_n"])
+    usual, weighed = gaps
+    assert usual < 1.0
+    assert abs(weighed - usual) > 0.1 * weight
+
+
+@pytest.mark.parametrize("section", ["diagnosis", "tolerances", "calibration"])
 def test_settings_that_it_does_not_know(
     shoecal: Run, simulated: Path, tmp_path: Path, section: str
 ) -> None:
