@@ -8,9 +8,9 @@ or paused (SIGSTOP, for 0.5 to 5 s, then SIGCONT).
 
 Killed: the robot rests 0.5 s later, and stays at rest; the motion ends with a reason, and where the
 planner lives its diagnostics name the adapter; all that was killed is started again, and the next
-motion begins. The figure is the time from the kill to the last message of joint angles in which one
-had moved; what is sent 50 times a second, takes its way through three processes and is followed
-from point to point by the stand-in (0.05 s) is granted 0.2 s.
+motion begins. The figure is the time from the kill to the stamp of the last message of joint angles
+in which one had moved; what is sent 50 times a second, takes its way through three processes and is
+followed from point to point by the stand-in (0.05 s) is granted 0.2 s.
 
 Paused: when the process continues, the robot continues or stays, but does not go back on the course
 on which it came to rest; the figure is the farthest way back in the next 0.6 s, in which a command
@@ -42,6 +42,7 @@ from reliability.tries import BrokenError
 from ros.adapters.driver_messages import SCRIPT, messages_of
 from ros.bodies import nao
 from shoecal_ros.common import qos
+from shoecal_ros.common.conversions import time_from_ros
 from shoecal_ros.common.renewal import TIMEOUT_S
 
 OTHERS = "LShoulderPitch, RShoulderPitch"
@@ -59,7 +60,7 @@ KINDS = {
     ("planner", "adapter"): tuple(ADAPTERS),
 }
 """Of robots, by who is killed or paused."""
-PHASES = ("beginning", "moving", "on one foot")
+PHASES = ("moving", "on one foot", "beginning")
 MOTIONS = {"beginning": "landmarks", "moving": "landmarks", "on one foot": "unload_right"}
 PLANNER: dict[str, object] = {
     "tilt_required": False,
@@ -112,7 +113,7 @@ class Scene:
         kind, phase = drawn(victims, number)
         nodes = self._begin(kind)
         goal = self._until_moving(nodes, phase, rng)
-        killed_at = time.monotonic()
+        killed_at = time.time()
         for victim in victims:
             self.world.processes[nodes[victim]].kill()
         for victim in victims:
@@ -140,7 +141,7 @@ class Scene:
         for victim in victims:
             self.world.processes[nodes[victim]].send_signal(signal.SIGSTOP)
         wait(self.world, paused_s)
-        resumed_at = time.monotonic()
+        resumed_at = time.time()
         for victim in victims:
             self.world.processes[nodes[victim]].send_signal(signal.SIGCONT)
         wait(self.world, BACK_S)
@@ -214,7 +215,7 @@ class Scene:
                 if name in known
             ]
         )
-        now = time.monotonic()
+        now = time_from_ros(message.header.stamp) / 1e9
         angles = np.nan_to_num(angles)
         if names != self._names or np.abs(angles - self._angles).max() > MOVED:
             self._moved_at = now

@@ -57,9 +57,8 @@ class ActionController(Controller):
             )
         return self._refusal
 
-    def send(self, message: JointTrajectoryMsg, duration_s: float) -> None:
+    def send(self, message: JointTrajectoryMsg) -> None:
         """Send a goal; it ends the one before."""
-        del duration_s
         self._refusal, self._stopped_s = None, math.inf
         self._newest += 1
         number = self._newest

@@ -26,12 +26,8 @@ class Controller(ABC):
         return None
 
     @abstractmethod
-    def send(self, message: JointTrajectoryMsg, duration_s: float) -> None:
-        """Let the robot follow a trajectory that takes so long [s].
-
-        Raises:
-            ShoecalError: when that cannot be now.
-        """
+    def send(self, message: JointTrajectoryMsg) -> None:
+        """Let the robot follow a trajectory."""
 
     @abstractmethod
     def stop(self) -> None:

@@ -6,19 +6,17 @@ from dataclasses import dataclass
 
 import numpy as np
 import rclpy
-from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
 from shoecal_core.errors import ShoecalError
 from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.settings import Settings, setting
 from shoecal_ros.adapters.action_controller import ActionController
-from shoecal_ros.adapters.adapter import OLDEST_S, Adapter, FloatArray
+from shoecal_ros.adapters.adapter import Adapter, FloatArray
 from shoecal_ros.adapters.controller import Controller
 from shoecal_ros.adapters.foreign import foreign
 from shoecal_ros.adapters.topic_controller import TopicController
 from shoecal_ros.common.codes import Problem
 from shoecal_ros.common.conversions import trajectory_to_ros
-from shoecal_ros.common.hold import STOP_TIME_S, hold
 from shoecal_ros.common.process import run
 from shoecal_ros.common.renewal import TIMEOUT_S, Renewal
 
@@ -86,7 +84,7 @@ class ControllerAdapter(Adapter):
         if len(whole.times) == 1 and whole.duration <= TIMEOUT_S:
             # A command to hold: from where the joints are the controller knows best.
             self._renewal = None
-            self._controller.send(trajectory_to_ros(whole), whole.duration)
+            self._controller.send(trajectory_to_ros(whole))
             return
         start = measured[[self.robot.joint(name) for name in whole.names]]
         renewal, self._begun_s = Renewal(whole.begun_at(start)), self.now_s
@@ -94,7 +92,7 @@ class ControllerAdapter(Adapter):
         self._renewal = renewal
 
     def stop(self) -> None:
-        """Cancel the goal, or hold."""
+        """Send no more, and cancel the goal where there is one."""
         self._renewal = None
         self._controller.stop()
 
@@ -114,7 +112,7 @@ class ControllerAdapter(Adapter):
 
     def _reach(self, interface: str, name: str) -> Controller:
         if interface == "topic":
-            return TopicController(self, name, self._held)
+            return TopicController(self, name)
         kind = foreign("control_msgs", "action", "FollowJointTrajectory")
         return ActionController(self, kind, name, self._give_up)
 
@@ -128,17 +126,8 @@ class ControllerAdapter(Adapter):
             self._send(self._renewal)
 
     def _send(self, renewal: Renewal) -> None:
-        goal = renewal.piece(self.now_s - self._begun_s)
-        self._controller.send(trajectory_to_ros(goal), goal.duration)
-
-    def _held(self) -> JointTrajectoryMsg | None:
-        latest = self.joints.latest
-        if latest is None or self.joints.heard.age_s > OLDEST_S:
-            # What was sent ends at rest by itself; a posture of before would be a way back.
-            return None
-        measured = latest.angles[0]
-        command = hold(self.robot, measured, STOP_TIME_S)
-        return trajectory_to_ros(self._with_others(command, measured))
+        piece = renewal.piece(self.now_s - self._begun_s)
+        self._controller.send(trajectory_to_ros(piece))
 
     def _with_others(self, trajectory: JointTrajectory, measured: FloatArray) -> JointTrajectory:
         added = [(name, joint) for name, joint in self._others if name not in trajectory.names]
