@@ -36,10 +36,12 @@ class StreamingAdapter(Adapter):
 
     def follow(self, trajectory: JointTrajectory, measured: FloatArray) -> None:
         """Sample it from now on; measured (m,) [rad]."""
+        self._catch_up()
         self._stream.begin(trajectory, measured, self.now_s)
 
     def stop(self) -> None:
         """Come to rest smoothly; drivers keep the last set points by themselves."""
+        self._catch_up()
         self._stream.stop(self.now_s)
 
     def close(self) -> None:
@@ -52,10 +54,16 @@ class StreamingAdapter(Adapter):
                 break
             time.sleep(self._period_s)
 
+    def _catch_up(self) -> None:
+        """After a sleep of this process the robot rests at the last set point."""
+        now_s = self.now_s
+        if now_s - self._looked_s > ASLEEP_S:
+            self._stream.rest(self._looked_s, now_s)
+            self._looked_s = now_s
+
     def _send(self) -> None:
-        looked_s, self._looked_s = self._looked_s, self.now_s
-        if self._looked_s - looked_s > ASLEEP_S:
-            self._stream.rest(looked_s, self._looked_s)
+        self._catch_up()
+        self._looked_s = self.now_s
         angles = self._stream.at(self._looked_s)
         if angles is not None:
             self.send(self._stream.names, angles)

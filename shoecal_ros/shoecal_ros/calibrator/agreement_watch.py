@@ -24,7 +24,12 @@ SAMPLE_NS = 10**7
 """Readings closer together add nothing: errors, not noise, are looked for."""
 JUDGE_NS = 250 * 10**6
 """From one judgement to the next: with the window it is known in time what two seconds show."""
-SEE = "see that nothing holds or touches the robot and that the robot file's weight is right"
+GAP_NS = 300 * 10**6
+"""Without usable readings for so long it begins again: a spike is left out, and no more."""
+SEE = (
+    "see that nothing holds or touches the robot, that the floor is level, and that the robot "
+    "file's weight is right"
+)
 
 
 class AgreementWatch:
@@ -126,12 +131,14 @@ class AgreementWatch:
             self._grf, self._cop = found.grf, found.cop or self._cop
 
     def _add(self, one: Joined) -> None:
-        """Keep readings of the last second; after bad ones, or a gap, it begins again."""
+        """Keep good readings of the last second; after a gap it begins again."""
+        if one.status.any():
+            return
         window = self._window
         age_ns = one.stamp_ns - window[-1][0] if window else SAMPLE_NS
-        if one.status.any() or not 0 <= age_ns <= WINDOW_NS:
+        if not 0 <= age_ns <= GAP_NS:
             window.clear()
-        if one.status.any() or 0 <= age_ns < SAMPLE_NS:
+        elif age_ns < SAMPLE_NS:
             return
         window.append((one.stamp_ns, one.readings))
         while len(window) > 1 and one.stamp_ns - window[1][0] >= WINDOW_NS:

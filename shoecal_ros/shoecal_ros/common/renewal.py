@@ -9,7 +9,7 @@ or is cut off rests half a second after the last piece, without anything that ha
 from __future__ import annotations
 
 from bisect import bisect_right
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -79,6 +79,11 @@ class Renewal:
         """Time on the trajectory [s] at which the robot is commanded to be at a time [s]."""
         return min(self._state(time).path, self.trajectory.duration)
 
+    def motion_time(self, time: float) -> float:
+        """The same, but going on after the end [s]."""
+        rested_s = time - self._knots[-1].time if self.done else 0.0
+        return self.path_time(time) + max(0.0, rested_s)
+
     def piece(self, time: float, timeout_s: float = TIMEOUT_S) -> JointTrajectory:
         """The next piece, which begins at a time [s] and ends at rest `timeout_s` later at most."""
         begin = self._state(time)
@@ -89,7 +94,9 @@ class Renewal:
         brake_at = time + timeout_s - brake_s
         if cruising.time + left_s <= time + timeout_s:
             # The trajectory comes to rest by itself.
-            coming = [begin, cruising, cruising.after(left_s, 1.0)]
+            # Exactly at its end: one rounding short of it a robot would never arrive.
+            end = replace(cruising.after(left_s, 1.0), path=self.trajectory.duration)
+            coming = [begin, cruising, end]
             self.done = True
         else:
             braking = cruising.after(brake_at - cruising.time, 1.0)
@@ -108,7 +115,8 @@ class Renewal:
             return _Knot(time, 0.0, 0.0)
         knot = self._knots[index]
         if index + 1 == len(self._knots):
-            return _Knot(time, knot.path, knot.rate if time == knot.time else 0.0)
+            going = time == knot.time or np.isinf(self.begun)
+            return _Knot(time, knot.path, knot.rate if going else 0.0)
         following = self._knots[index + 1]
         share = (time - knot.time) / (following.time - knot.time)
         return knot.after(time - knot.time, knot.rate + share * (following.rate - knot.rate))

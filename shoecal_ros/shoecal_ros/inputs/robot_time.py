@@ -8,6 +8,8 @@ from collections.abc import Callable
 
 WINDOW_S = 1.0
 """Over so long a time it is measured: a simulation runs in bursts."""
+LEAST_S = 0.2
+"""Over less than that bursts would count, not the rate."""
 FASTEST = 100.0
 """A simulation is not believed to be faster."""
 
@@ -41,8 +43,10 @@ class RobotTime:
     @property
     def rate(self) -> float:
         """Robot's time over wall-clock time, 1 to FASTEST."""
-        if len(self._noted) < 2:
+        if not self._noted:
             return 1.0
         (begun_s, begun_ns), (ended_s, ended_ns) = self._noted[0], self._noted[-1]
-        passed_s = max(ended_s - begun_s, 1e-3)
+        passed_s = ended_s - begun_s
+        if passed_s < LEAST_S:
+            return 1.0
         return min(max((ended_ns - begun_ns) / 1e9 / passed_s, 1.0), FASTEST)

@@ -22,6 +22,8 @@ from shoecal_ros.common.renewal import TIMEOUT_S, Renewal
 
 LOOK_S = 0.05
 """From one look whether the next piece is due to the next."""
+ROUNDING_S = 1e-3
+"""By which a piece may be longer: messages carry nanoseconds."""
 LAST_WORDS_S = 1.0
 """In which the controller gets to hear the last command, and to do it."""
 
@@ -81,15 +83,14 @@ class ControllerAdapter(Adapter):
         if self._closes:
             raise ShoecalError("this adapter ends; start it again")
         whole = self._with_others(trajectory, measured)
-        if len(whole.times) == 1 and whole.duration <= TIMEOUT_S:
-            # A command to hold: from where the joints are the controller knows best.
+        if whole.duration <= TIMEOUT_S + ROUNDING_S:
+            # A command to hold, or a piece of the planner's.
             self._renewal = None
             self._controller.send(trajectory_to_ros(whole))
             return
         start = measured[[self.robot.joint(name) for name in whole.names]]
-        renewal, self._begun_s = Renewal(whole.begun_at(start)), self.now_s
-        self._send(renewal)
-        self._renewal = renewal
+        self._renewal, self._begun_s = Renewal(whole.begun_at(start)), self.now_s
+        self._controller.send(trajectory_to_ros(self._renewal.piece(0.0)))
 
     def stop(self) -> None:
         """Send no more, and cancel the goal where there is one."""
@@ -122,12 +123,14 @@ class ControllerAdapter(Adapter):
 
     def _renew(self) -> None:
         """Send the next goal while the robot may move."""
-        if self._renewal is not None and self._renewal.due(self.now_s - self._begun_s):
-            self._send(self._renewal)
-
-    def _send(self, renewal: Renewal) -> None:
-        piece = renewal.piece(self.now_s - self._begun_s)
-        self._controller.send(trajectory_to_ros(piece))
+        elapsed, renewal = self.now_s - self._begun_s, self._renewal
+        if renewal is None or not renewal.due(elapsed):
+            return
+        if elapsed - renewal.begun > renewal.timeout_s or self.joints.problem:
+            # It has come to rest meanwhile, and may have been moved.
+            self._renewal = None
+        else:
+            self._controller.send(trajectory_to_ros(renewal.piece(elapsed)))
 
     def _with_others(self, trajectory: JointTrajectory, measured: FloatArray) -> JointTrajectory:
         added = [(name, joint) for name, joint in self._others if name not in trajectory.names]

@@ -205,7 +205,9 @@ class SimulatorNode(ShoecalNode):
                 trajectory = trajectory_from_ros(message)
                 if self._is_armed:
                     stamp_ns = time_from_ros(message.header.stamp)
-                    begun_s = (self._body.now_ns - stamp_ns) / 1e9 if stamp_ns else 0.0
+                    # One without a point at its begin is for where the robot is by now.
+                    placed = stamp_ns and trajectory.times[0] == 0.0
+                    begun_s = (self._body.now_ns - stamp_ns) / 1e9 if placed else 0.0
                     self._body.robot.command(trajectory, max(0.0, begun_s))
                     self._moves = True
                 else:

@@ -200,7 +200,10 @@ class Execution:
 
     def hold(self, angles: FloatArray) -> None:
         """Come to rest at all joint angles (m,) [rad]."""
-        self._mover.command(hold(self._mover.robot, angles, self._mover.moving.stop_time))
+        joints = self._mover.joints
+        # By its stamp an adapter that was asleep meanwhile can tell that it is of before.
+        stamp_ns = 0 if joints.problem or joints.latest is None else int(joints.latest.stamp_ns[0])
+        self._mover.command(hold(self._mover.robot, angles, self._mover.moving.stop_time), stamp_ns)
         self._part = None
 
     def halt(self) -> None:
@@ -221,10 +224,13 @@ class Execution:
         """Come to rest on the way that was checked, from where the robot is commanded to be by now.
 
         What was sent may have gone on since the newest joint angles, but ends at rest: a stop that
-        comes late is no way back.
+        comes late is no way back. Where it rests already it may have been moved since.
         """
         robot, stop_s = self._mover.robot, self._mover.moving.stop_time
         since_s = (time.monotonic() - part.sent_s) * self._mover.robot_time.rate
+        if since_s > part.renewal.timeout_s:
+            self._part = None
+            return
         elapsed = max(part.elapsed, part.renewal.begun + since_s)
         path_time = part.renewal.stopped(elapsed, stop_s)
         angles = part.planned.at(np.array(path_time)).copy()
@@ -246,14 +252,7 @@ class Execution:
         missing = self._mover.listeners.missing
         if missing:
             raise self._stopped(part, Plan.Result.NOT_FOLLOWED, f"stopped: {missing}")
-        away_s = part.elapsed - part.renewal.begun
-        if not part.renewal.done and away_s > HELD_UP * part.renewal.timeout_s:
-            raise self._stopped(
-                part,
-                Plan.Result.FAILED,
-                f"stopped: the planner was held up for {away_s:.1f} s, in which the robot came to "
-                "rest; see that the computer is not overloaded, and ask for the motion again",
-            )
+        self._check_time(part)
         look = part.follower.look(part.stamp_ns, part.angles)
         if look.verdict is FollowingState.LOST:
             bound = self._mover.moving.follow_error
@@ -269,10 +268,27 @@ class Execution:
             self._check_concerns(part)
         return look
 
+    def _check_time(self, part: StreamedPart) -> None:
+        """End a motion of which nothing was sent for long; the robot rests already."""
+        away_s, problem = part.elapsed - part.renewal.begun, ""
+        if away_s < 0.0:
+            problem = (
+                f"stamps of joint_states went back by {-away_s:.1f} s; see what sets that clock"
+            )
+        elif not part.renewal.done and away_s > HELD_UP * part.renewal.timeout_s:
+            problem = (
+                f"the planner was held up for {away_s:.1f} s, in which the robot came to rest; see "
+                "that the computer is not overloaded"
+            )
+        if problem:
+            self._part = None
+            reason = f"stopped: {problem}, and ask for the motion again"
+            raise self._stopped(part, Plan.Result.FAILED, reason)
+
     def _check_concerns(self, part: StreamedPart) -> None:
         """Stop at once, or where both feet carry again."""
         assert self._watch is not None
-        elapsed = part.follower.path_time(part.stamp_ns)
+        elapsed = part.renewal.motion_time(part.elapsed)
         reason = self._watch.look(elapsed, part.angles)
         if reason is not None and not reason.can_wait:
             raise self._stopped(part, reason.code, f"stopped: {reason.message}")

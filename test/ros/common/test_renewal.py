@@ -112,3 +112,25 @@ def test_a_point_at_once_is_allowed() -> None:
     once = JointTrajectory(NAMES, np.array([0.0]), np.ones((1, 2)))
     piece = Renewal(once).piece(0.0)
     np.testing.assert_allclose(piece.positions[-1], 1.0)
+
+
+def test_it_begins_as_it_is_a_little_late() -> None:
+    """The first piece may be asked for a moment after its begin; a motion under way goes on."""
+    whole = motion(5.0)
+    under_way = JointTrajectory(
+        NAMES, np.linspace(0.0, 2.0, 41), whole.at(np.linspace(2.0, 4.0, 41)),
+        whole.rates(np.linspace(2.0, 4.0, 41)),
+    )  # fmt: skip
+    piece = Renewal(under_way).piece(1e-6)
+    assert piece.velocities is not None
+    np.testing.assert_allclose(piece.velocities[0], whole.rates(np.array(2.0)), atol=1e-6)
+
+
+@given(st.floats(0.3, 1.2))
+def test_its_end_is_reached_exactly(duration: float) -> None:
+    renewal = Renewal(motion(duration))
+    for time in np.arange(0.0, 2.0, 0.01):
+        if renewal.due(time):
+            renewal.piece(time)
+    assert renewal.path_time(2.0) >= renewal.trajectory.duration
+    assert renewal.motion_time(2.0) == pytest.approx(2.0)
