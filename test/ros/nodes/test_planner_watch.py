@@ -145,7 +145,7 @@ def test_joint_angles_that_stop_stop_the_motion(scene: Scene) -> None:
     result = goal.result()
     assert result.error_code == Plan.Result.NO_JOINT_STATES
     assert "stopped while moving" in result.message
-    scene.held()
+    assert len(scene.commands.last.points) > 1, "it rests already, by what it was sent"
 
 
 def test_nothing_begins_with_hot_motors(scene: Scene) -> None:
