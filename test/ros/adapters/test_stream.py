@@ -21,7 +21,7 @@ from shoecal_ros.common.renewal import Renewal
 
 KNEE = "LKneePitch"
 STEP_S = 1e-4
-MOST_ACCELERATION = 500.0
+MOST_ACCELERATION = 2000.0
 """rad/s^2; more than the drawn motions have: a jump by 1 rad/s would look like 10,000."""
 UNIT = st.floats(0.0, 1.0)
 
