@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import secrets
 import shutil
 from collections.abc import Callable, Collection
@@ -40,22 +39,8 @@ FORMAT = 1
 FILE = "session.yaml"
 ROBOT, URDF, SHOE = "robot.yaml", "robot.urdf", "shoe.yaml"
 TRUTH = "truth"
-URDF_LINE = re.compile(r"^urdf:[ \t]*[^\s|>].*$", re.MULTILINE)
-"""Where a robot file names its URDF: a line of its own, in all but odd ones."""
 
 T = TypeVar("T")
-
-
-def robot_copy(robot_yaml: Path) -> bytes:
-    """A robot file as a session holds it: it names the session's own URDF.
-
-    One in which that is no line of its own stays as it is.
-
-    Raises:
-        FileError: where it cannot be read.
-    """
-    text = read_bytes(robot_yaml).decode("utf-8", errors="surrogateescape")
-    return URDF_LINE.sub(f"urdf: {URDF}", text).encode("utf-8", errors="surrogateescape")
 
 
 @dataclass(frozen=True)
@@ -150,11 +135,8 @@ class Session:
             raise FileTakenError(folder, "exists already; sessions are never overwritten")
         robot = read_yaml(robot_yaml).text("name")
         session = cls(folder, robot, load_shoe(shoe_yaml).name, seed, [])
-        contents = {
-            ROBOT: robot_copy(robot_yaml),
-            URDF: read_bytes(robot_urdf),
-            SHOE: read_bytes(shoe_yaml),
-        }
+        copies = {ROBOT: robot_yaml, URDF: robot_urdf, SHOE: shoe_yaml}
+        contents = {name: read_bytes(source) for name, source in copies.items()}
         made = folder.with_name(f".{folder.name}.{secrets.token_hex(8)}")
         try:
             made.mkdir(parents=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,7 +26,7 @@ from shoecal_core.estimation.session_data import load_data
 from shoecal_core.files import atomic_write, read_bytes
 from shoecal_core.progress import Progress, no_progress
 from shoecal_core.recording.errors import SessionError
-from shoecal_core.recording.session import ROBOT, URDF, URDF_LINE, Session
+from shoecal_core.recording.session import ROBOT, URDF, Session
 from shoecal_core.robot.correction import ModelCorrection, corrected_urdf
 from shoecal_core.robot.robot import Robot, first_link
 from shoecal_core.robot.robot_file import load_robot
@@ -37,6 +38,7 @@ JOINT_ZERO, MASS, COM = "joint_offset", "link_mass", "link_com"
 """Effects of a fit that a URDF can hold."""
 FOLDS = 4
 """Of a cross-validation."""
+_URDF_LINE = re.compile(r"^urdf:.*$", re.MULTILINE)
 
 
 @dataclass(frozen=True)
@@ -201,7 +203,7 @@ def _masses(robot: Robot) -> dict[str, float]:
 
 def _naming(robot_yaml: Path, urdf: str) -> str:
     """A robot file's text with another URDF."""
-    text, count = URDF_LINE.subn(f"urdf: {urdf}", _text(robot_yaml))
+    text, count = _URDF_LINE.subn(f"urdf: {urdf}", _text(robot_yaml))
     if count != 1:
         raise FieldError(robot_yaml, "must stand on a line of its own", field="urdf")
     return text

@@ -10,10 +10,10 @@ from typing import Any, cast
 from shoecal_msgs.action import Diagnose
 
 from shoecal_core.errors import ShoecalError
-from shoecal_core.files import read_bytes, sha256
+from shoecal_core.files import sha256
 from shoecal_core.planning.standard import STANDARD
 from shoecal_core.recording.errors import SessionError
-from shoecal_core.recording.session import Session, robot_copy
+from shoecal_core.recording.session import Session
 from shoecal_ros.calibrator import job_work
 from shoecal_ros.calibrator.calibrator_base import CalibratorBase
 from shoecal_ros.calibrator.job import Job
@@ -134,16 +134,12 @@ class DiagnosisJob(Job):
     def _require_own(self, session: Session) -> None:
         """Runs of this robot on these shoes belong into sessions of theirs; FileError else."""
         robot, shoe = self.node.robot, self.node.shoe
-        # The nodes may have been started with the session's files, or it is an older one.
-        same_robot = sha256(session.robot_yaml) == robot.digest or read_bytes(
-            session.robot_yaml
-        ) == robot_copy(robot.path)
-        for path, same in (
-            (session.robot_yaml, same_robot),
-            (session.robot_urdf, sha256(session.robot_urdf) == robot.urdf_digest),
-            (session.shoe.path, session.shoe.digest == shoe.digest),
+        for path, own, digest in (
+            (session.robot_yaml, robot.digest, sha256(session.robot_yaml)),
+            (session.robot_urdf, robot.urdf_digest, sha256(session.robot_urdf)),
+            (session.shoe.path, shoe.digest, session.shoe.digest),
         ):
-            if not same:
+            if digest != own:
                 raise SessionError(
                     path,
                     "is not what this node works with: nothing can be added to the session; name "

@@ -39,21 +39,6 @@ def record(session: Session, motion: str = "landmarks", hint: str = "") -> Path:
     return writer.path
 
 
-@pytest.mark.parametrize(
-    ("given", "held"),
-    [
-        ("name: nao\nurdf: ../my nao.urdf  # mine\n", "name: nao\nurdf: robot.urdf\n"),
-        ("{name: nao, urdf: nao.urdf}\n", "{name: nao, urdf: nao.urdf}\n"),
-    ],
-)
-def test_its_robot_file_names_its_urdf(
-    tmp_path: Path, sources: samples.Sources, given: str, held: str
-) -> None:
-    sources.robot_yaml.write_text(given)
-    session = Session.create(tmp_path / "named", *sources)
-    assert session.robot_yaml.read_text() == held
-
-
 def test_create_copies_and_records(session: Session, sources: samples.Sources) -> None:
     path = record(session, hint="train")
     assert path == session.folder / "run_001.mcap"
