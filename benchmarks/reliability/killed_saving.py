@@ -64,7 +64,8 @@ def run(first: int, count: int, seed: int, progress: Progress) -> Result:
 def made_from(number: int) -> Calibration:
     """A calibration; its gains and offsets are drawn from its number."""
     rng, count = np.random.default_rng(number), len(originals.shoe().names)
-    numbers = ChannelParameters(rng.uniform(8.0, 15.0, count), rng.uniform(-3.0, 3.0, count))
+    gains = np.sign(originals.calibration().parameters.gain) * rng.uniform(8.0, 15.0, count)
+    numbers = ChannelParameters(gains, rng.uniform(-3.0, 3.0, count))
     # Small enough that a kill falls into any step of a change, not mostly into formatting numbers.
     small = replace(originals.calibration(), covariance=None, corrections=())
     return replace(small, id=f"made-{number}", parameters=numbers)
