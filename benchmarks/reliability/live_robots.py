@@ -52,9 +52,12 @@ class WaitedForRobot(StandingRobot):
         return ReachSupport.Result(error_code=ReachSupport.Result.CANCELED)
 
 
-def put_in_force(world: World, identity: str = "made-1") -> SetCalibration.Request:
-    """Give the calibrator a calibration of these robots; the request."""
+def put_in_force(
+    world: World, identity: str = "made-1", *, simulated: bool = False
+) -> SetCalibration.Request:
+    """Give the calibrator a calibration of these robots, of simulated time or not; the request."""
     made = calibration_to_ros(calibration(nao(), nao_shoe(), identity))
+    made.simulated_time = simulated
     request = SetCalibration.Request(calibration=made)
     answer = world.call(SetCalibration, "shoe/set_calibration", request)
     assert answer.success, answer.message
@@ -65,4 +68,4 @@ def start_calibrator(world: World, **parameters: object) -> None:
     """Start a calibrator with folders of the world, and put a calibration in force."""
     folders = {name: world.folder / name for name in ("state_dir", "sessions_dir")}
     world.start("calibrator", {**folders, **parameters})
-    put_in_force(world)
+    put_in_force(world, simulated=bool(parameters.get("use_sim_time")))

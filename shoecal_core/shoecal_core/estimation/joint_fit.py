@@ -74,6 +74,7 @@ class JointFit:
         cost: sum of whitened squares, priors included.
         initial_cost: the same at the initial guess.
         steps: of Gauss-Newton.
+        last_step: the largest component of the last one, in units of its prior.
         gradient_norm: largest derivative of the cost by gains and offsets before the last step, all
             else being fitted, in units of each one's standard deviation.
         residuals: (T, s) what neither deviations nor nuisances explain.
@@ -88,6 +89,7 @@ class JointFit:
     cost: float
     initial_cost: float
     steps: int
+    last_step: float
     gradient_norm: float
     residuals: FloatArray
 
@@ -214,7 +216,7 @@ def fit_jointly(
                 raise _unsettled(moved) from None
             steps += 1
     assert initial_cost is not None
-    return _joint_fit(system, signal_model, solution, initial_cost, steps)
+    return _joint_fit(system, signal_model, solution, initial_cost, steps, moved)
 
 
 def _unsettled(moved: float) -> ShoecalError:
@@ -258,6 +260,7 @@ def _joint_fit(
     solution: FloatArray,
     initial_cost: float,
     steps: int,
+    moved: float,
 ) -> JointFit:
     """The result, for a solution that has settled."""
     first = 2 * len(signal_model.parameters.gain) + 1
@@ -287,6 +290,7 @@ def _joint_fit(
         cost=system.cost(solution),
         initial_cost=initial_cost,
         steps=steps,
+        last_step=moved,
         gradient_norm=float(np.abs(np.sqrt(np.diag(covariance)[:own]) * gradient).max()),
         residuals=system.signal_model.residuals - np.tensordot(solution, system.columns, 1),
     )

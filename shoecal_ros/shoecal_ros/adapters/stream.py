@@ -123,6 +123,8 @@ class Stream:
         followed, following = self._coming.at(elapsed), self._coming.rates(elapsed)
         done = np.minimum(elapsed / STOP_S, 1.0)[:, None]
         share, growth = done**2 * (3.0 - 2.0 * done), 6.0 * done * (1.0 - done) / STOP_S
+        # The cubics that remember a motion may swing a little beyond a limit that it touched.
+        left = np.clip(left, self._robot.lower, self._robot.upper)
         angles = left + share * (followed - left)
         speeds = leaving + share * (following - leaving) + growth * (followed - left)
         return angles, pace[:, None] * speeds

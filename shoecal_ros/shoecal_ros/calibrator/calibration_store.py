@@ -133,6 +133,12 @@ class CalibrationStore:
         """
         robot = self._robot
         calibration.sensing(self._shoe)
+        # What its own checks found is the cause of numbers that cannot be.
+        reasons = list_reasons(calibration.reasons)
+        if calibration.verdict == "FAIL":
+            raise NotApplicableError(
+                f"calibration '{calibration.id}' failed its own checks ({reasons}); calibrate again"
+            )
         check_plausible(calibration, self._shoe, robot.weight, robot.mass_std * GRAVITY)
         origin = origin or Origin.of(calibration)
         if origin.simulated != self._simulated:
@@ -147,11 +153,6 @@ class CalibrationStore:
             raise NotApplicableError(
                 f"calibration '{calibration.id}' was made more than {AHEAD_NS // 10**9} s from "
                 "now; set the clocks of both computers, or calibrate again"
-            )
-        reasons = list_reasons(calibration.reasons)
-        if calibration.verdict == "FAIL":
-            raise NotApplicableError(
-                f"calibration '{calibration.id}' failed its own checks ({reasons}); calibrate again"
             )
         if force:
             return

@@ -21,7 +21,7 @@ from shoecal_ros.common.renewal import Renewal
 
 KNEE = "LKneePitch"
 STEP_S = 1e-4
-MOST_ACCELERATION = 2000.0
+MOST_ACCELERATION = 500.0
 """rad/s^2; more than the drawn motions have: a jump by 1 rad/s would look like 10,000."""
 UNIT = st.floats(0.0, 1.0)
 
@@ -156,6 +156,17 @@ def test_a_new_trajectory_is_passed_over_to(
     assert (points <= robot.upper[columns] + 1e-6).all()
     ends = [stream.names.index(name) for name in new.names]
     assert points[-1, ends] == pytest.approx(new.positions[-1])
+
+
+def test_no_limit_is_passed_by_a_motion_that_touched_it() -> None:
+    """The remembered motion is between points, and turns sharply at the limit."""
+    robot, stream = nao(), Stream(nao())
+    low = robot.lower[robot.joint("RAnkleRoll")]
+    times, ways = np.linspace(0.0, 1.25, 4), np.array([0.0, 0.397761, low, low])
+    stream.begin(JointTrajectory(("RAnkleRoll",), times, ways[:, None]), robot.posture, 0.0)
+    stream.begin(bend([0.0, 1.0], [0.0, -0.8923279]), robot.posture, 0.625)
+    points = sampled(stream, np.linspace(0.625, 1.625, 500))
+    assert points[:, stream.names.index("RAnkleRoll")].min() >= low - 1e-6
 
 
 def test_joints_that_were_told_nothing_begin_where_they_are() -> None:

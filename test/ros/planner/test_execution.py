@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from types import SimpleNamespace
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -141,9 +141,9 @@ def off(way: float) -> FloatArray:
     [({"load_required": False}, "imu"), ({"tilt_required": False}, "shoe/voltages")],
 )
 def test_nothing_begins_that_nobody_would_watch(
-    scene: Scene, required: dict[str, bool], missing: str
+    scene: Scene, required: dict[str, Any], missing: str
 ) -> None:
-    settings = replace(MovingSettings(), **required)
+    settings = MovingSettings(**required)
     scene.mover.senses = replace(scene.mover.senses, settings=settings)
     with pytest.raises(RefusedError, match=f"nothing comes from {missing}.*_required") as caught:
         Execution(scene.mover, scene.order).check_ready()
