@@ -63,7 +63,8 @@ STILL_S = 0.5
 STALE_S = 2.0
 REST_S = {True: TIMEOUT_S + STILL_S + 0.3, False: STALE_S + 2.0 * STILL_S + 0.5}
 """With the planner killed, and without, in which it notices after STALE_S and stops within half a
-second; 0.3 and 0.5 s are granted to messages and a busy machine."""
+second; 0.3 and 0.5 s are granted to messages. In the simulation's time, in which pieces last: on a
+busy machine it passes more slowly."""
 LASTS_S, REPORTED_S = 4.0, 5.0
 BITS = 24
 LONG_S = 400.0
@@ -87,7 +88,7 @@ class Scene:
             "calibrator": {**clocked, **folders},
         }
         self._still = Stillness(0.01, STILL_S, 0.004)
-        self._moved_at = 0.0
+        self._now = self._moved_at = 0.0
         world.node.create_subscription(JointState, "joint_states", self._hear, qos.EITHER)
         for node, parameters in self._parameters.items():
             world.start(node, parameters)
@@ -109,22 +110,21 @@ class Scene:
         """Kill nodes at a stage of a calibration and start them again.
 
         Returns:
-            Times until the robot is at rest, 0 where it is or is gone, and until another node
-            reports those that are gone [s].
+            Time until the robot is at rest, 0 where it is or is gone [s of the simulation], and
+            until another node reports those that are gone [s].
         """
         world = self.world
         goal = self._calibrate(seed)
         self._until_stage(goal, stage, after_s)
-        killed = time.monotonic()
+        killed, ends = time.monotonic(), self._now
         for node in nodes:
             world.processes[node].kill()
         for node in nodes:
             world.kill(node)
         world.until(lambda: all(self._reported(node) for node in nodes))
         reported_s = time.monotonic() - killed
-        ends = killed
         if nodes == ("model",):
-            ends = time.monotonic()
+            ends = self._now
             self._arm(armed=False)
         if "calibrator" not in nodes:
             result = goal.result()
@@ -132,7 +132,7 @@ class Scene:
                 raise BrokenError(f"{nodes} killed while {stage}: the job ended without a reason")
         rest_s = 0.0
         if "simulator" not in nodes:
-            world.until(lambda: time.monotonic() > ends + REST_S[False] + LASTS_S)
+            world.until(lambda: self._now > ends + REST_S[False] + LASTS_S)
             rest_s = max(0.0, self._moved_at - ends)
         for node in nodes:
             world.start(node, self._parameters[node])
@@ -184,9 +184,11 @@ class Scene:
         return any(one and one.level != b"\x00" and node in one.message for one in found)
 
     def _hear(self, message: JointState) -> None:
-        self._still.add(time_from_ros(message.header.stamp), np.array(message.position))
+        stamp_ns = time_from_ros(message.header.stamp)
+        self._still.add(stamp_ns, np.array(message.position))
+        self._now = stamp_ns / 1e9
         if not self._still.still:
-            self._moved_at = time.monotonic()
+            self._moved_at = self._now
 
 
 def _is_in(goal: Goal, stage: str) -> bool:
