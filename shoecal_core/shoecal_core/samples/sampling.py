@@ -74,7 +74,7 @@ def read_runs(
         weight_kg: of robot and shoes, in place of the robot file's [kg].
     """
     shoe = session.shoe
-    robot = load_robot(session.robot_yaml, shoe, urdf=session.robot_urdf, weight_kg=weight_kg)
+    robot = load_robot(session.robot_yaml, shoe, weight_kg=weight_kg)
     kinematics = Kinematics(robot)
     notes: list[str] = []
     read = []

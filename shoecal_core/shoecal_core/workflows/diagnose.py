@@ -151,9 +151,7 @@ def do(job: DiagnosisRequest, progress: Progress = no_progress) -> Diagnosed:
         # Matplotlib takes a second to load, which most calls need not wait for.
         from shoecal_core.report.diagnosis_report import write_diagnosis_report  # noqa: PLC0415
 
-        robot = load_robot(
-            session.robot_yaml, session.shoe, urdf=session.robot_urdf, weight_kg=job.weight_kg
-        )
+        robot = load_robot(session.robot_yaml, session.shoe, weight_kg=job.weight_kg)
         provenance = (
             origin(session, (*found.train, *found.test)),
             f"Session folder {session.folder.name}.",
