@@ -103,7 +103,7 @@ def _link_masses(session: Session) -> dict[str, float]:
     links = mujoco.MjSpec.from_file(str(session.robot_urdf)).bodies
     masses = {link.name: float(link.mass) for link in links if link.mass > 0.0}
     shoe = session.shoe
-    robot = load_robot(session.robot_yaml, shoe, urdf=session.robot_urdf)
+    robot = load_robot(session.robot_yaml, shoe)
     scale = (robot.mass - shoe.mass) / sum(masses.values())
     return {name: scale * mass for name, mass in masses.items()}
 

@@ -46,7 +46,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     calibration = load_calibration_of(args.calibration, session)
     if calibration.verdict == "FAIL":
         raise ShoecalError(f"{args.calibration}: failed its checks, so it is not applied")
-    robot = load_robot(session.robot_yaml, session.shoe, urdf=session.robot_urdf)
+    robot = load_robot(session.robot_yaml, session.shoe)
     sensing, kinematics = calibration.sensing(session.shoe), Kinematics(robot)
     make_folder(args.out)
     rows: list[dict[str, object]] = []

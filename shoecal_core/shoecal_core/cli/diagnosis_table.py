@@ -110,7 +110,7 @@ def _answer(diagnosis: Diagnosis) -> Iterator[str]:
     action, won = diagnosis.action, ""
     if action is not None:
         before, after = action.expected_cop_mm
-        found = f"{finding_text(diagnosis.causes[0])}: " if diagnosis.causes else ""
+        found = f"{finding_text(diagnosis.named[0])}: " if diagnosis.named else ""
         yield f"{found}{action.do}"
         won = f"; expected CoP error {before:.2f} -> {after:.2f} mm" if after < before else ""
     yield f"{diagnosis.verdict}: {VERDICT_TEXTS[diagnosis.verdict]}{won}"

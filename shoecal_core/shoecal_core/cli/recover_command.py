@@ -1,4 +1,4 @@
-"""`shoecal recover FILE`: rescue what can be read of a damaged run file."""
+"""`shoecal recover FILE|SESSION`: rescue what can be read of damaged run files."""
 
 from __future__ import annotations
 
@@ -8,12 +8,19 @@ from pathlib import Path
 
 from rich.console import Console
 
+from shoecal_core.errors import FileMissingError, ShoecalError
 from shoecal_core.recording.recover import recover, recovered_path
+from shoecal_core.recording.writer import PART
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare its arguments."""
-    parser.add_argument("file", type=Path, help="the damaged run file; it is left as it is")
+    parser.add_argument(
+        "file",
+        type=Path,
+        help="the damaged run file, or a session's folder: all its interrupted runs; they are left "
+        "as they are",
+    )
     parser.add_argument(
         "--out",
         type=Path,
@@ -23,8 +30,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
-    """Rescue the file."""
-    report = recover(args.file, args.out or recovered_path(args.file))
+    """Rescue the file, or each interrupted run of the folder."""
+    if not args.file.is_dir():
+        return _rescued(args.file, args.out or recovered_path(args.file), console)
+    if args.out is not None:
+        raise ShoecalError(f"--out: {args.file} is a folder; leave --out out, or name one run file")
+    found = sorted(args.file.glob(f"run_*.mcap{PART}"))
+    # What was rescued before stays as it is, as does the part that it came from.
+    parts = [part for part in found if not part.with_suffix("").exists()]
+    if not parts:
+        raise FileMissingError(
+            args.file, f"holds no interrupted run (run_NNN.mcap{PART}); name a damaged run file"
+        )
+    return {"runs": [_rescued(part, recovered_path(part), console) for part in parts]}
+
+
+def _rescued(path: Path, out: Path, console: Console) -> Mapping[str, object]:
+    report = recover(path, out)
     console.print(str(report))
     return {
         "out": str(report.out),

@@ -16,7 +16,7 @@ def action(diagnosis: Diagnosis) -> Action:
     before = gap.cop_mae_mm
     if diagnosis.verdict == "no_gap":
         return Action("nothing: CoP and GRF are those of a robot as built", (before, before))
-    if not diagnosis.causes:
+    if not diagnosis.named:
         return Action(f"look for what is off {_where(diagnosis)}", (before, gap.cop_floor_mm))
     shrink = diagnosis.shrink or diagnosis.causes[0].shrink
     following = diagnosis.next_motion

@@ -16,7 +16,7 @@ from shoecal_core.diagnosis.next_motion import propose
 from shoecal_core.diagnosis.preflight import preflight
 from shoecal_core.diagnosis.result import Diagnosis
 from shoecal_core.diagnosis.rewiring import rewired
-from shoecal_core.diagnosis.selection import asked_for, select
+from shoecal_core.diagnosis.selection import Selection, asked_for, select
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.shaking import shaking
 from shoecal_core.diagnosis.shrink import gap, shrink
@@ -123,21 +123,20 @@ def diagnose(
     progress("trying every effect", 0.5)
     exchange = rewired(corrected, effects, settings, wanted)
     best = corrected if exchange is None else exchange.workspace
-    found = select(best, settings) if only is None else asked_for(best)
+    found, named, denied = _found(best, settings, asked=only is not None)
     progress("measuring the shrink", 0.8)
-    denied: tuple[str, ...] = ()
-    if only is None:
-        found, denied = borne_out(best, found, settings)
-    best = best.at(found.stands(best.scorer, settings))
+    asked = best.at(found.stands(best.scorer, settings))
+    best = best.at(named.stands(best.scorer, settings))
     certain = [
         *(known.causes(workspace, corrected, settings) if known else ()),
         *(() if halted is None else (halted.cause(workspace, corrected),)),
         *(() if exchange is None else (exchange.cause(corrected.explained(None)[0]),)),
         *weak_cells(best, wanted),
     ]
-    said = answer(best, certain, found, settings)
+    said = answer(best, certain, named, settings)
     if only is not None and not certain:
-        said = replace(said, causes=tuple(causes_of(best, found)))
+        # Who asks how an effect would do is told, though nothing may bear it out.
+        said = replace(said, causes=tuple(causes_of(asked, found)))
     progress("done", 1.0)
     chosen = found.chosen if said.causes else None
     corrected_gap = best.explained(None)[0]
@@ -167,6 +166,19 @@ def diagnose(
     )
     diagnosis = lowered(diagnosis, worse) if said.causes else diagnosis
     return replace(diagnosis, action=action(diagnosis))
+
+
+def _found(
+    best: Workspace, settings: DiagnosisSettings, *, asked: bool
+) -> tuple[Selection, Selection, tuple[str, ...]]:
+    """What is shown, what of it is named, and in words what is not."""
+    if not asked:
+        named, denied = borne_out(best, select(best, settings), settings)
+        return named, named, denied
+    shown = asked_for(best)
+    named, denied = borne_out(best, shown, settings)
+    # What was not needed is no evidence that anything is there.
+    return shown, replace(named, other=shown.other), denied
 
 
 def _halted(workspace: Workspace, wanted: Callable[[str, Place], bool]) -> Stopped | None:

@@ -140,7 +140,7 @@ def measure(
         return MeasuredBefore(tuple(found), taken, tuple(train))
     if abs(weighed.kg - mass) <= mass * settings.material_share:
         return MeasuredBefore(tuple(found), taken, tuple(train))
-    robot = load_robot(session.robot_yaml, read.shoe, urdf=session.robot_urdf, weight_kg=weighed.kg)
+    robot = load_robot(session.robot_yaml, read.shoe, weight_kg=weighed.kg)
     return MeasuredBefore(tuple(found), taken, tuple(train), robot, weighed)
 
 

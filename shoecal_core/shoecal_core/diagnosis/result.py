@@ -298,6 +298,11 @@ class Diagnosis:
     zeros: tuple[Zero, ...] = field(default=(), repr=False, compare=False)
     budget: tuple[BudgetShare, ...] = ()
 
+    @property
+    def named(self) -> tuple[Cause, ...]:
+        """Causes without those that somebody asked for and nothing bears out."""
+        return () if self.verdict in ("no_gap", "unknown") else self.causes
+
     def to_json(self) -> dict[str, object]:
         """The public form (`shoecal diagnose --json`)."""
         return {

@@ -103,7 +103,7 @@ def load_data(
     """
     shoe = session.shoe if sheets else without_sheets(session.shoe)
     if robot is None:
-        robot = load_robot(session.robot_yaml, shoe, urdf=session.robot_urdf, weight_kg=weight_kg)
+        robot = load_robot(session.robot_yaml, shoe, weight_kg=weight_kg)
     kinematics = Kinematics(robot)
     recorded: dict[int, Run] = {}
     for number in [entry.run for entry in session.runs] if runs is None else runs:

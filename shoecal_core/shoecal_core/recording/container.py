@@ -12,6 +12,7 @@ from typing import BinaryIO, cast
 
 import zstandard
 from mcap.exceptions import EndOfFile, McapError
+from mcap.opcode import Opcode
 from mcap.records import (
     Channel,
     Chunk,
@@ -263,6 +264,8 @@ class _Reader(StreamReader):
         self._seen += 1
         if opcode == 0 or self._seen > MAX_RECORDS:
             raise McapError("zeros, or pieces without end, where records should be")
+        if opcode == Opcode.MESSAGE_INDEX:  # Passed over: everything is read anyway.
+            return None
         return super()._read_record(opcode, length)
 
 

@@ -33,11 +33,12 @@ from shoecal_core.recording.run import Run
 from shoecal_core.recording.truth import TruthWriter
 from shoecal_core.recording.writer import RunWriter
 from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.robot_file import SESSION_FILE, SESSION_URDF
 from shoecal_core.shoe.shoe import Shoe, load_shoe
 
 FORMAT = 1
-FILE = "session.yaml"
-ROBOT, URDF, SHOE = "robot.yaml", "robot.urdf", "shoe.yaml"
+FILE = SESSION_FILE
+ROBOT, URDF, SHOE = "robot.yaml", SESSION_URDF, "shoe.yaml"
 TRUTH = "truth"
 
 T = TypeVar("T")

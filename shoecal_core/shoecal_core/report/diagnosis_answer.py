@@ -47,7 +47,7 @@ MOST_CAUSES = 2
 
 def verdict_of(diagnosis: Diagnosis) -> PageVerdict:
     """The first thing to read: what, where, how big, how far it shrinks, what remains."""
-    found = f"{finding_text(diagnosis.causes[0])}. " if diagnosis.causes else ""
+    found = f"{finding_text(diagnosis.named[0])}. " if diagnosis.named else ""
     meaning = VERDICT_TEXTS[diagnosis.verdict]
     return PageVerdict(
         level=LEVELS[diagnosis.verdict],

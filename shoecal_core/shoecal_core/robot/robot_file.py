@@ -28,6 +28,8 @@ from shoecal_core.robot.weights import RobotWeights
 from shoecal_core.shoe.shoe import FEET, Shoe
 
 FORMAT = 1
+SESSION_FILE, SESSION_URDF = "session.yaml", "robot.urdf"
+"""What a session's folder is known by, and its copy of the URDF."""
 MAX_LENGTH = 1.0
 """m; any foot that is larger was given in millimetres."""
 MAX_SUPPORTS = 1e6
@@ -70,8 +72,11 @@ def load_robot(
     Args:
         path: of the robot file.
         shoe: put on.
-        urdf: taken instead of the one that the robot file names (a session's own copy).
+        urdf: taken instead of the one that the robot file names.
         weight_kg: taken instead of the robot file's, shoes included [kg].
+
+    In a session's folder the URDF is the session's copy: the robot file there is the one that was
+    recorded with, byte for byte, and names the URDF as it was called elsewhere.
 
     With shoes the sole frames are on the shoes' floor side, and the shoes' masses are part
     of the model.
@@ -87,7 +92,9 @@ def load_robot(
         "posture_rad", "support_range", "capsules", "collision_pairs", "friction",
         "joint_deflection", "tilt_max_rad",
     )  # fmt: skip
-    urdf = path.parent / fields.text("urdf") if urdf is None else urdf
+    named = fields.text("urdf")
+    in_session = (path.parent / SESSION_FILE).is_file()
+    urdf = urdf or path.parent / (SESSION_URDF if in_session else named)
     description = read_urdf(urdf)
     model = description.model
     weight = fields.mapping("weight")

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import cumulative_trapezoid
 from scipy.ndimage import uniform_filter1d
-from scipy.signal import lfilter
 
 from shoecal_core.samples.even import evenly
 
@@ -15,6 +13,8 @@ FloatArray = NDArray[np.float64]
 
 def low_passed(values: FloatArray, time: FloatArray, constant: float) -> FloatArray:
     """First-order lag of values (F, k) with a time constant [s], settled at the start."""
+    # It takes as long to load as a whole fit, and most calls have no lag.
+    from scipy.signal import lfilter  # noqa: PLC0415
 
     def lagged(even: FloatArray, step: float) -> FloatArray:
         keep = np.exp(-step / constant)
@@ -64,7 +64,8 @@ def slope(values: FloatArray, time: FloatArray, span: float = 0.6) -> FloatArray
 
 def rise(rate: FloatArray, time: FloatArray, span: float) -> FloatArray:
     """(F, k) by how much what changes at a rate (F, k) is more a span [s] later, or at the end."""
-    whole = cumulative_trapezoid(rate, time, axis=0, initial=0)
+    steps = 0.5 * (rate[1:] + rate[:-1]) * np.diff(time)[:, None]
+    whole = np.vstack((np.zeros((1, rate.shape[1])), np.cumsum(steps, axis=0)))
     later = np.stack([np.interp(time + span, time, column) for column in whole.T], axis=1)
     found: FloatArray = later - whole
     return found

@@ -53,7 +53,7 @@ def angular_momentum(poses: FloatArray, time: FloatArray, robot: Robot) -> Float
 
 
 def standing_spin(
-    angles: FloatArray, time: FloatArray, frame: NDArray[np.int64], robot: Robot
+    angles: FloatArray, time: FloatArray, frame: NDArray[np.int64], kinematics: Kinematics
 ) -> FloatArray:
     """(F, 2) what the angular momentum's rate adds to the CoP of a robot on a foot that stands [m].
 
@@ -62,7 +62,7 @@ def standing_spin(
         time: (F,) [s].
         frame: (F,) foot that stands, in whose sole frame the result is.
     """
-    states = Kinematics(robot).states(angles)
+    robot, states = kinematics.robot, kinematics.states(angles)
     found = np.zeros((len(time), 2))
     for foot in range(len(FEET)):
         here = frame == foot

@@ -74,7 +74,7 @@ def read_runs(
         weight_kg: of robot and shoes, in place of the robot file's [kg].
     """
     shoe = session.shoe
-    robot = load_robot(session.robot_yaml, shoe, urdf=session.robot_urdf, weight_kg=weight_kg)
+    robot = load_robot(session.robot_yaml, shoe, weight_kg=weight_kg)
     kinematics = Kinematics(robot)
     notes: list[str] = []
     read = []
@@ -129,13 +129,13 @@ def make_samples(
         notes: takes why runs are left out.
     """
     notes = [] if notes is None else notes
-    parts = _parts(read, robot, shoe, settings, kept or {}, air, notes)
+    parts = _parts(read, kinematics, shoe, settings, kept or {}, air, notes)
     return _joined(parts, robot, shoe, kinematics) if parts else None
 
 
 def _parts(
     read: Sequence[tuple[Run, Aligned]],
-    robot: Robot,
+    kinematics: Kinematics,
     shoe: Shoe,
     settings: SampleSettings,
     kept: Mapping[int, BoolArray],
@@ -160,8 +160,9 @@ def _parts(
                 else air.get(run.info.run, ~everything)
             )
             part = _part(
-                run, aligned, counts, hangs, robot, shoe, settings, rate, at, segments, first_ns
-            )
+                run, aligned, counts, hangs, kinematics, shoe, settings, rate, at, segments,
+                first_ns,
+            )  # fmt: skip
         except ShoecalError as error:
             notes.append(f"run {run.info.run} is left out: {error}")
             continue
@@ -243,7 +244,7 @@ def _part(
     aligned: Aligned,
     counts: BoolArray,
     hangs: BoolArray,
-    robot: Robot,
+    kinematics: Kinematics,
     shoe: Shoe,
     settings: SampleSettings,
     rate: float,
@@ -251,6 +252,7 @@ def _part(
     segments: int,
     first_ns: int,
 ) -> _Part | None:
+    robot = kinematics.robot
     step = max(1, round(_rate(aligned.time) / settings.filter_rate_hz))
     thin = np.zeros(len(aligned.time), dtype=bool)
     thin[::step] = True
@@ -289,7 +291,7 @@ def _part(
     )
     if walk is None:
         frame = np.where((stance >= 0) & ~carried[stance, 0], 1, 0)
-        spin = standing_spin(_smooth(aligned.joint_angles, time), time, frame, robot)
+        spin = standing_spin(_smooth(aligned.joint_angles, time), time, frame, kinematics)
     else:
         spin = walk.spin
     means = track.mean(acceleration), track.mean(spin)

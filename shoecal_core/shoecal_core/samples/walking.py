@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import savgol_filter
 from scipy.spatial.transform import Rotation, Slerp
 
 from shoecal_core.errors import ShoecalError
@@ -23,6 +22,7 @@ from shoecal_core.robot.robot import GRAVITY, Robot
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.contact import Contact, find_contact
 from shoecal_core.samples.even import evenly, typical_period
+from shoecal_core.samples.local_cubic import local_cubics
 from shoecal_core.samples.stance import Stance, make_stance
 from shoecal_core.shoe.shoe import FEET, Shoe
 
@@ -221,7 +221,6 @@ def derivative(values: FloatArray, time: FloatArray, order: int) -> FloatArray:
             raise ShoecalError(
                 f"{len(even)} samples are too few for accelerations; {window} are needed"
             )
-        slopes: FloatArray = savgol_filter(even, window, 3, deriv=order, delta=period, axis=0)
-        return slopes
+        return local_cubics(even, window, period, order)
 
     return evenly(smooth, values, time)

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import savgol_coeffs, savgol_filter
 
 from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.even import resampled, typical_period
+from shoecal_core.samples.local_cubic import local_cubics, middle_weights
 from shoecal_core.screening.noise import spread
 from shoecal_core.screening.settings import CalibrationSettings
 
@@ -36,7 +36,7 @@ def zmp_shift(aligned: Aligned) -> tuple[FloatArray, float]:
     placed, even = resampled(com[:, :2], time)
     if len(even) < window:
         return np.zeros(len(time)), 0.0
-    curved = savgol_filter(placed, window, 3, deriv=2, delta=period, axis=0)
+    curved = local_cubics(placed, window, period, 2)
     size = np.linalg.norm(curved, axis=1)
     # At the ends the cubic is not held from both sides: what comes next to them is taken there.
     inner = slice(window // 2, len(even) - window // 2)
@@ -46,8 +46,8 @@ def zmp_shift(aligned: Aligned) -> tuple[FloatArray, float]:
         gap = (time[before] - SMOOTHING_S / 2.0, time[before + 1] + SMOOTHING_S / 2.0)
         shift[(time >= gap[0]) & (time <= gap[1])] = 0.0
     # What the cubics leave. Second differences would not do: encoders step seldom in slow motion.
-    left = spread(placed - savgol_filter(placed, window, 3, axis=0))
-    trembling = np.linalg.norm(savgol_coeffs(window, 3, deriv=2, delta=period))
+    left = spread(placed - local_cubics(placed, window, period))
+    trembling = np.linalg.norm(middle_weights(window, period, 2))
     return shift, float(np.median(fall) * trembling * np.linalg.norm(left))
 
 

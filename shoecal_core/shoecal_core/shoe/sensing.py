@@ -1,4 +1,7 @@
-"""Calibrated sensing: readings in, GRF and CoP out. One code for batches and for live use."""
+"""Calibrated sensing: readings in, GRF and CoP out, for batches.
+
+`InstantSensing` gives the same for one instant, much sooner.
+"""
 
 from __future__ import annotations
 

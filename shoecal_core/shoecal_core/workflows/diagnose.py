@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -34,7 +35,7 @@ class DiagnosisRequest:
     Attributes:
         session: its folder.
         settings, tolerances: of the diagnosis.
-        screening: settings by which the runs are screened for the calibration's own gap.
+        screening: settings by which the runs are screened for notes and the calibration's own gap.
         calibration: file of one whose own gap is reported as well; None: none.
         weight_kg: of robot and shoes, in place of the robot file's; None: that.
         rezero: whether each run is taken with its own zeros.
@@ -147,13 +148,15 @@ def do(job: DiagnosisRequest, progress: Progress = no_progress) -> Diagnosed:
 
         progress("simulating what was found", SIMULATED_FROM)
         found = with_simulated_shrink(found, session)
+    data = load_data(
+        session, (*found.train, *found.test), job.screening, weight_kg=job.weight_kg, problems=[]
+    )
+    found = replace(found, notes=(*found.notes, *_screened(data)))
     if job.report is not None:
         # Matplotlib takes a second to load, which most calls need not wait for.
         from shoecal_core.report.diagnosis_report import write_diagnosis_report  # noqa: PLC0415
 
-        robot = load_robot(
-            session.robot_yaml, session.shoe, urdf=session.robot_urdf, weight_kg=job.weight_kg
-        )
+        robot = load_robot(session.robot_yaml, session.shoe, weight_kg=job.weight_kg)
         provenance = (
             origin(session, (*found.train, *found.test)),
             f"Session folder {session.folder.name}.",
@@ -161,10 +164,7 @@ def do(job: DiagnosisRequest, progress: Progress = no_progress) -> Diagnosed:
         write_diagnosis_report(
             found, job.report, robot=robot, shoe=session.shoe, provenance=provenance
         )
-    calibrated = None
-    if calibration is not None:
-        data = load_data(session, found.test, job.screening, weight_kg=job.weight_kg)
-        calibrated = _calibrated(calibration, data)
+    calibrated = None if calibration is None else _calibrated(calibration, data, found.test)
     progress("done", 1.0)
     parameters = None if calibration is None else calibration.parameters
     return Diagnosed(
@@ -188,12 +188,18 @@ def _library(own: Path | None) -> tuple[Effect, ...]:
     return EFFECTS if own is None else (*EFFECTS, *effects_from(own))
 
 
-def _calibrated(calibration: Calibration, data: SessionData) -> CalibratedGap:
+def _screened(data: SessionData) -> list[str]:
+    """What `check` finds in the runs: none of it is left out of a diagnosis, as it may be a cause.
+
+    Without the samples that it leaves out, of which every session has some.
+    """
+    findings = data.screening.findings
+    return [f"check: {one.reason}" for one in findings if one.verdict != "PASS"]
+
+
+def _calibrated(calibration: Calibration, data: SessionData, test: Sequence[int]) -> CalibratedGap:
     sensing = calibration.sensing(data.shoe)
     found = errors(
-        [
-            (measured_series(sensing, stance), modelled_series(stance))
-            for stance in data.of(list(data.runs))
-        ]
+        [(measured_series(sensing, stance), modelled_series(stance)) for stance in data.of(test)]
     )
     return CalibratedGap(calibration.id, 1e3 * found.cop.mean, found.grf.mean)

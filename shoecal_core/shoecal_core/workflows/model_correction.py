@@ -143,10 +143,7 @@ def _corrected(session: Session, outcome: CalibrationOutcome) -> Robot:
 
 
 def _files(session: Session, found: Sequence[FittedDeviation]) -> dict[str, str]:
-    shod, bare = (
-        load_robot(session.robot_yaml, shoe, urdf=session.robot_urdf)
-        for shoe in (session.shoe, None)
-    )
+    shod, bare = (load_robot(session.robot_yaml, shoe) for shoe in (session.shoe, None))
     correction = model_correction(found, shod, bare)
     return {
         URDF: corrected_urdf(_text(session.robot_urdf), bare, correction),

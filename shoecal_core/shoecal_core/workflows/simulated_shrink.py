@@ -130,7 +130,7 @@ def replay_job(job: ReplayJob) -> Replayed:
     """Replay one run, in whatever process."""
     session = Session.open(job.session, force=True)  # checked when it was diagnosed
     shoe = session.shoe
-    robot = load_robot(session.robot_yaml, shoe, urdf=session.robot_urdf)
+    robot = load_robot(session.robot_yaml, shoe)
     effects = [
         read_effect(Fields(Path("diagnosis"), str(item["effect"]), item)) for item in job.items
     ]

@@ -24,6 +24,9 @@ LOOK_S = 0.05
 """From one look whether the next piece is due to the next."""
 ROUNDING_S = 1e-3
 """By which a piece may be longer: messages carry nanoseconds."""
+JOIN_RAD = 0.05
+"""A controller goes at once to where a trajectory begins. More than the planner's `start_error` of
+0.03 rad, less than a robot is left behind by while pieces fail to come for a second."""
 LAST_WORDS_S = 1.0
 """In which the controller gets to hear the last command, and to do it."""
 
@@ -66,6 +69,7 @@ class ControllerAdapter(Adapter):
         self._controller = self._reach(settings.interface, settings.controller)
         self._renewal: Renewal | None = None
         self._begun_s = 0.0
+        self._sent: tuple[JointTrajectory, float] | None = None
         self.wall_timer(LOOK_S, self._renew)
 
     @property
@@ -83,14 +87,15 @@ class ControllerAdapter(Adapter):
         if self._closes:
             raise ShoecalError("this adapter ends; start it again")
         whole = self._with_others(trajectory, measured)
+        start = measured[[self.robot.joint(name) for name in whole.names]]
+        self._check_begin(whole, start)
         if whole.duration <= TIMEOUT_S + ROUNDING_S:
             # A command to hold, or a piece of the planner's.
             self._renewal = None
-            self._controller.send(trajectory_to_ros(whole))
+            self._send(whole)
             return
-        start = measured[[self.robot.joint(name) for name in whole.names]]
         self._renewal, self._begun_s = Renewal(whole.begun_at(start)), self.now_s
-        self._controller.send(trajectory_to_ros(self._renewal.piece(0.0)))
+        self._send(self._renewal.piece(0.0))
 
     def stop(self) -> None:
         """Send no more, and cancel the goal where there is one."""
@@ -130,7 +135,30 @@ class ControllerAdapter(Adapter):
             # It has come to rest meanwhile, and may have been moved.
             self._renewal = None
         else:
-            self._controller.send(trajectory_to_ros(renewal.piece(elapsed)))
+            self._send(renewal.piece(elapsed))
+
+    def _send(self, piece: JointTrajectory) -> None:
+        self._sent = piece, self.now_s
+        self._controller.send(trajectory_to_ros(piece))
+
+    def _check_begin(self, trajectory: JointTrajectory, start: FloatArray) -> None:
+        """Refuse what begins neither where the controller is commanded to be nor at (k,) [rad].
+
+        So begins what goes on without a robot that came to rest, as its pieces did not come here.
+        """
+        if trajectory.times[0] > 0.0:  # the controller takes that long to get there
+            return
+        off = np.abs(trajectory.positions[0] - start)
+        if self._sent is not None and self._sent[0].names == trajectory.names:
+            piece, sent_s = self._sent
+            commanded = piece.at(np.array(self.now_s - sent_s))
+            off = np.minimum(off, np.abs(trajectory.positions[0] - commanded))
+        joint = int(np.argmax(off))
+        if off[joint] > JOIN_RAD:
+            raise ShoecalError(
+                f"joint '{trajectory.names[joint]}' begins {off[joint]:.3g} rad from where it is "
+                f"(at most {JOIN_RAD:g} rad); plan from where the robot stands"
+            )
 
     def _with_others(self, trajectory: JointTrajectory, measured: FloatArray) -> JointTrajectory:
         added = [(name, joint) for name, joint in self._others if name not in trajectory.names]

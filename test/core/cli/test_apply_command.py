@@ -23,7 +23,7 @@ def test_tables_hold_what_was_measured(
     code, out, _ = shoecal("apply", simulated, "--calibration", calibrated, "--out", tmp_path)
     assert code == 0
     session = Session.open(simulated)
-    robot = load_robot(session.robot_yaml, session.shoe, urdf=session.robot_urdf)
+    robot = load_robot(session.robot_yaml, session.shoe)
     sensing = load_calibration(calibrated).sensing(session.shoe)
     for entry in session.runs:
         file = tmp_path / f"run_{entry.run:03d}.csv"
@@ -47,7 +47,7 @@ def test_tables_hold_what_was_measured(
 
 def test_what_is_not_known_is_left_empty(simulated: Path, calibrated: Path) -> None:
     session = Session.open(simulated)
-    robot = load_robot(session.robot_yaml, session.shoe, urdf=session.robot_urdf)
+    robot = load_robot(session.robot_yaml, session.shoe)
     sensing = load_calibration(calibrated).sensing(session.shoe)
     run = session.read(1)
     run.readings.status[10, 0] = 2

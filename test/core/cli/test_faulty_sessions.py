@@ -93,6 +93,10 @@ def test_swapped_cells_are_refused_by_name(
     assert told in plain(error)
     assert error.count("\n") == 1
     assert not calibration.exists()
+    # A diagnosis goes on, as it may be the cause, and says so.
+    code, out, error = shoecal("diagnose", session, *TRAIN, "--no-simulation")
+    assert code == 0, error
+    assert f"check: {told}" in plain(out)
 
 
 def test_spikes_are_left_out_named_and_counted(

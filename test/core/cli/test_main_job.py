@@ -111,8 +111,9 @@ def test_wrong_runs_are_named(
     assert cure in " ".join(error.split())
 
 
+@pytest.mark.parametrize("named", ["session/run_002.mcap.part", "session"])
 def test_a_cut_run_is_named_recovered_and_fit_again(
-    shoecal: Run, simulated: Path, tmp_path: Path
+    shoecal: Run, simulated: Path, tmp_path: Path, named: str
 ) -> None:
     session = tmp_path / "session"
     shutil.copytree(simulated, session)
@@ -125,9 +126,12 @@ def test_a_cut_run_is_named_recovered_and_fit_again(
     assert code == 1
     assert "shoecal recover" in out
     assert error.count("\n") == 1
-    code, out, _ = shoecal("recover", part)
+    code, out, _ = shoecal("recover", tmp_path / named)
     assert code == 0
     assert run.exists()
+    code, out, error = shoecal("recover", session)
+    assert (code, out) == (1, "")
+    assert "holds no interrupted run" in error
     part.unlink()
     assert shoecal("check", session)[0] == 0
 

@@ -66,7 +66,7 @@ def test_channels_with_sizes_of_their_own_are_items_of_their_own() -> None:
 
 def test_the_same_commands_give_about_the_same_readings(simulated: Path) -> None:
     session = Session.open(simulated)
-    robot = load_robot(session.robot_yaml, session.shoe, urdf=session.robot_urdf)
+    robot = load_robot(session.robot_yaml, session.shoe)
     run = session.read(3)
     count = len(session.shoe.names)
     law = ChannelParameters(np.full(count, 2.0), np.linspace(-1.0, 1.0, count))

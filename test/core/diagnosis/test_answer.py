@@ -17,6 +17,7 @@ from shoecal_core.diagnosis.answer import (
     borne_out,
     probabilities,
 )
+from shoecal_core.diagnosis.diagnose import Wanted, diagnose
 from shoecal_core.diagnosis.result import Candidate
 from shoecal_core.diagnosis.scoring import Part
 from shoecal_core.diagnosis.selection import Selection, taken
@@ -25,6 +26,7 @@ from shoecal_core.diagnosis.shrink import FORCE_AND_PLACE
 from shoecal_core.diagnosis.tempering import needed, temper
 from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.error_sources.signals import COP, GRF
+from shoecal_core.recording.session import Session
 
 SETTINGS = DiagnosisSettings()
 TILT = {"floor_tilt": [0.03, 0.02]}
@@ -140,3 +142,14 @@ def test_a_set_holds_with_the_wanted_probability() -> None:
         for place, share in (("left", 0.6), ("right", 0.32), ("all", 0.04))
     )
     assert ambiguity_set(ranking, SETTINGS) == ranking[:2]
+
+
+def test_who_asks_is_told_sizes_but_a_robot_as_built_is_not_accused(
+    standard_session: Session,
+) -> None:
+    said = diagnose(standard_session, only=Wanted("payload"))
+    assert said.causes
+    assert said.verdict == "no_gap"
+    assert said.named == ()
+    assert said.action is not None
+    assert said.action.do.startswith("nothing")

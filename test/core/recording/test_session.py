@@ -8,6 +8,7 @@ import pytest
 import yaml
 
 from core.recording import samples
+from core.robot import robots
 from shoecal_core.errors import (
     FieldError,
     FileError,
@@ -24,6 +25,7 @@ from shoecal_core.recording.recover import recover, recovered_path
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.truth import read_truth
 from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.robot_file import load_robot, shoe_file_of
 
 COUNT = 20
 
@@ -37,6 +39,13 @@ def record(session: Session, motion: str = "landmarks", hint: str = "") -> Path:
     with session.new_run(motion, samples.SUPPORT, hint=hint) as writer:
         samples.write_sample(writer, samples.make_sample(COUNT), session.shoe.names)
     return writer.path
+
+
+def test_its_robot_is_read_with_its_own_urdf(tmp_path: Path) -> None:
+    nao = robots.load("nao", shod=False)
+    assert nao.urdf.name != "robot.urdf"
+    session = Session.create(tmp_path / "copied", nao.path, nao.urdf, shoe_file_of(nao.path))
+    assert load_robot(session.robot_yaml).urdf == session.robot_urdf
 
 
 def test_create_copies_and_records(session: Session, sources: samples.Sources) -> None:

@@ -25,7 +25,7 @@ HOSTILE = "<script>alert(1)</script>"
 
 @pytest.fixture(scope="module")
 def checked(session: Session) -> CheckReport:
-    robot = load_robot(session.robot_yaml, session.shoe, urdf=session.robot_urdf)
+    robot = load_robot(session.robot_yaml, session.shoe)
     runs = {one.run: session.read(one.run) for one in session.runs}
     kinematics = Kinematics(robot)
     aligned = {number: align(run, session.shoe, kinematics) for number, run in runs.items()}

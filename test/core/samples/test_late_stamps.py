@@ -20,7 +20,7 @@ LATE_S = 0.08
 
 def test_late_angles_efforts_and_imu_come_back_together(standard_session: Session) -> None:
     shoe = standard_session.shoe
-    robot = load_robot(standard_session.robot_yaml, shoe, urdf=standard_session.robot_urdf)
+    robot = load_robot(standard_session.robot_yaml, shoe)
     kinematics, run = Kinematics(robot), standard_session.read(1)
     tipping = 0.2 * np.sin(run.joints.time)
     level = np.zeros_like(tipping)

@@ -18,13 +18,13 @@ KNEE = "LKneePitch"
 WAY = 0.1
 
 
-def squat(duration: float, way: float = WAY) -> JointTrajectory:
-    """Knees bend on; every joint of the legs is told."""
+def squat(duration: float, way: float = WAY, begin: float = 0.0) -> JointTrajectory:
+    """Knees bend on, from where they are bent to; every joint of the legs is told."""
     robot = nao()
     names = tuple(robot.joint_names[joint] for joint in robot.moved)
     times = np.linspace(0.0, duration, 1 + round(duration / 0.05))
     positions = np.tile(robot.posture[robot.moved], (len(times), 1))
-    positions[:, names.index(KNEE)] += way * np.linspace(0.0, 1.0, len(times))
+    positions[:, names.index(KNEE)] += begin + way * np.linspace(0.0, 1.0, len(times))
     return JointTrajectory(names, times, positions)
 
 

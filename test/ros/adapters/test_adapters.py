@@ -61,8 +61,8 @@ def test_it_follows_when_armed_and_stops_when_no_more(adapter: str, robot: Adapt
     world.until(lambda: abs(knee.way - WAY) < 1e-6)
     world.until(lambda: world.diagnosis(node, "robot").message == "armed")
     # Back, slowly; in the middle of it whoever armed the robot takes it back and says no more.
-    robot.command(squat(60.0, way=-0.3))
-    world.until(lambda: knee.way < 0.0)
+    robot.command(squat(60.0, way=-0.3, begin=WAY))
+    world.until(lambda: knee.way < WAY - 0.003)
     robot.arm(False)
     world.until_reported(node, "robot", "not armed")
     world.until(knee.rests)
