@@ -135,7 +135,7 @@ def diagnose(
     ]
     said = answer(best, certain, named, settings)
     if only is not None and not certain:
-        # Who asks how an effect would do is told, though nothing may bear it out.
+        # For who asks how an effect would do, though nothing may bear it out.
         said = replace(said, causes=tuple(causes_of(asked, found)))
     progress("done", 1.0)
     chosen = found.chosen if said.causes else None

@@ -39,7 +39,7 @@ def local_cubics(values: FloatArray, window: int, period: float, order: int = 0)
 
 
 def middle_weights(window: int, period: float, order: int) -> FloatArray:
-    """(window,) weights of its samples in what `local_cubics` gives in a window's middle."""
+    """Weights (K,) of a window's K samples in what `local_cubics` gives in its middle."""
     return _middle(_fit(window, period), order)
 
 
