@@ -214,8 +214,11 @@ class Execution:
     # Inside
 
     def _renew(self, part: StreamedPart) -> None:
-        """Send the next piece where it is due: it begins where the last one is by now."""
-        if part.renewal.due(part.elapsed):
+        """Send the next piece where it is due: it begins where the last one is by now.
+
+        Joint angles from before a sleep would lead the robot back to where it was then.
+        """
+        if part.renewal.due(part.elapsed) and not self._mover.awake.catches_up:
             piece = part.renewal.piece(part.elapsed, TIMEOUT_S * self._mover.robot_time.rate)
             self._mover.command(piece, part.stamp_ns)
             part.sent_s = time.monotonic()

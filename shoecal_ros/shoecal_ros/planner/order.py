@@ -10,6 +10,7 @@ from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot import Robot
+from shoecal_ros.common.awake_clock import AwakeClock
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.common.worker import Worker
 from shoecal_ros.inputs.joints import JointInput
@@ -34,6 +35,7 @@ class Mover(Protocol):
     arming: Arming
     worker: Worker
     robot_time: RobotTime
+    awake: AwakeClock
 
     def command(self, trajectory: JointTrajectory, stamp_ns: int = 0) -> None:
         """Send a trajectory to the robot that begins at a stamp [ns]; zero: on receipt."""

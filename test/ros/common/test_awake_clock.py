@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from ros.clock import Clock
-from shoecal_ros.common.awake_clock import LONGEST_S, AwakeClock
+from shoecal_ros.common.awake_clock import CATCH_UP_S, LONGEST_S, AwakeClock
 
 
 def test_it_goes_on_while_it_is_asked() -> None:
@@ -22,3 +22,15 @@ def test_a_sleep_counts_for_a_moment_only() -> None:
     assert awake() == pytest.approx(LONGEST_S)
     clock.now += 0.1
     assert awake() == pytest.approx(LONGEST_S + 0.1)
+
+
+def test_after_a_sleep_it_catches_up_for_a_moment() -> None:
+    clock = Clock()
+    awake = AwakeClock(clock)
+    assert not awake.catches_up
+    clock.now += 0.2
+    assert not awake.catches_up
+    clock.now += 0.4
+    assert awake.catches_up
+    clock.now += CATCH_UP_S + 0.01
+    assert not awake.catches_up

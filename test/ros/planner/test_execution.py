@@ -20,6 +20,7 @@ from shoecal_core.planning.support_phase import SupportPhase
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.robot.kinematics import Kinematics
+from shoecal_ros.common.awake_clock import AwakeClock
 from shoecal_ros.common.codes import Code, Problem
 from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.renewal import TIMEOUT_S
@@ -86,6 +87,7 @@ class Scene:
                     moving,
                 ),
                 robot_time=RobotTime(simulated=False),
+                awake=AwakeClock(clock),
                 command=lambda trajectory, _stamp_ns=0: self.sent.append(trajectory),
             ),
         )
