@@ -10,6 +10,7 @@ from rich.console import Console
 
 from shoecal_core.errors import FileMissingError, ShoecalError
 from shoecal_core.recording.recover import recover, recovered_path
+from shoecal_core.recording.session import Session
 from shoecal_core.recording.writer import PART
 
 
@@ -35,9 +36,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         return _rescued(args.file, args.out or recovered_path(args.file), console)
     if args.out is not None:
         raise ShoecalError(f"--out: {args.file} is a folder; leave --out out, or name one run file")
-    found = sorted(args.file.glob(f"run_*.mcap{PART}"))
-    # What was rescued before stays as it is, as does the part that it came from.
-    parts = [part for part in found if not part.with_suffix("").exists()]
+    parts = Session.open(args.file, force=True).unfinished
     if not parts:
         raise FileMissingError(
             args.file, f"holds no interrupted run (run_NNN.mcap{PART}); name a damaged run file"

@@ -125,8 +125,8 @@ def diagnose(
     best = corrected if exchange is None else exchange.workspace
     found, named, denied = _found(best, settings, asked=only is not None)
     progress("measuring the shrink", 0.8)
-    asked = best.at(found.stands(best.scorer, settings))
-    best = best.at(named.stands(best.scorer, settings))
+    searched = best
+    best = searched.at(named.stands(searched.scorer, settings))
     certain = [
         *(known.causes(workspace, corrected, settings) if known else ()),
         *(() if halted is None else (halted.cause(workspace, corrected),)),
@@ -136,6 +136,7 @@ def diagnose(
     said = answer(best, certain, named, settings)
     if only is not None and not certain:
         # For who asks how an effect would do, though nothing may bear it out.
+        asked = searched.at(found.stands(searched.scorer, settings))
         said = replace(said, causes=tuple(causes_of(asked, found)))
     progress("done", 1.0)
     chosen = found.chosen if said.causes else None

@@ -122,9 +122,7 @@ def load_data(
         there = {number: aligned[number] for number in loaded}
         screening = screen(loaded, there, shoe, robot.weight, settings, late)
         if read and all(run.info.support is not None for run, _ in read) and not screening.fails:
-            samples = make_samples(
-                read, robot, shoe, kinematics, SAMPLING, screening.kept, screening.air
-            )
+            samples = make_samples(read, shoe, kinematics, SAMPLING, screening.kept, screening.air)
     stances: dict[int, tuple[Stance, ...]] = dict.fromkeys(recorded, ())
     zeros: list[Zero] = []
     for number, run in recorded.items():

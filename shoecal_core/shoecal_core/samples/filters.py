@@ -64,8 +64,10 @@ def slope(values: FloatArray, time: FloatArray, span: float = 0.6) -> FloatArray
 
 def rise(rate: FloatArray, time: FloatArray, span: float) -> FloatArray:
     """(F, k) by how much what changes at a rate (F, k) is more a span [s] later, or at the end."""
-    steps = 0.5 * (rate[1:] + rate[:-1]) * np.diff(time)[:, None]
-    whole = np.vstack((np.zeros((1, rate.shape[1])), np.cumsum(steps, axis=0)))
+    # As for a lag: most calls have no delay.
+    from scipy.integrate import cumulative_trapezoid  # noqa: PLC0415
+
+    whole = cumulative_trapezoid(rate, time, axis=0, initial=0)
     later = np.stack([np.interp(time + span, time, column) for column in whole.T], axis=1)
     found: FloatArray = later - whole
     return found

@@ -99,7 +99,7 @@ def samples_of(read: Read, settings: SampleSettings) -> Samples:
         ShoecalError: when no run is left.
     """
     notes = list(read.notes)
-    samples = make_samples(read.runs, read.robot, read.shoe, read.kinematics, settings, notes=notes)
+    samples = make_samples(read.runs, read.shoe, read.kinematics, settings, notes=notes)
     if samples is None:
         raise SessionError(
             read.session, "no run can be used: " + ("; ".join(notes) or "record some")
@@ -109,7 +109,6 @@ def samples_of(read: Read, settings: SampleSettings) -> Samples:
 
 def make_samples(
     read: Sequence[tuple[Run, Aligned]],
-    robot: Robot,
     shoe: Shoe,
     kinematics: Kinematics,
     settings: SampleSettings,
@@ -121,7 +120,7 @@ def make_samples(
 
     Args:
         read: runs with the joint angles at the times of their readings.
-        robot, shoe, kinematics: of what was recorded.
+        shoe, kinematics: of what was recorded.
         settings: rates.
         kept: by run, (T,) which of the aligned readings count; all of runs that are not listed.
         air: by run, (T,) at which of them one foot hangs free, none in runs that are not listed;
@@ -130,7 +129,7 @@ def make_samples(
     """
     notes = [] if notes is None else notes
     parts = _parts(read, kinematics, shoe, settings, kept or {}, air, notes)
-    return _joined(parts, robot, shoe, kinematics) if parts else None
+    return _joined(parts, shoe, kinematics) if parts else None
 
 
 def _parts(
@@ -176,11 +175,11 @@ def _parts(
 
 def _joined(
     parts: Sequence[_Part],
-    robot: Robot,
     shoe: Shoe,
     kinematics: Kinematics,
 ) -> Samples:
     """One after the other."""
+    robot = kinematics.robot
     angles = np.concatenate([part.track.mean(part.track.angles) for part in parts])
     mass = np.concatenate(
         [np.full(len(part.segment), carried(part.track.motion)) for part in parts]

@@ -148,10 +148,15 @@ def do(job: DiagnosisRequest, progress: Progress = no_progress) -> Diagnosed:
 
         progress("simulating what was found", SIMULATED_FROM)
         found = with_simulated_shrink(found, session)
+    problems: list[str] = []
     data = load_data(
-        session, (*found.train, *found.test), job.screening, weight_kg=job.weight_kg, problems=[]
+        session,
+        (*found.train, *found.test),
+        job.screening,
+        weight_kg=job.weight_kg,
+        problems=problems,
     )
-    found = replace(found, notes=(*found.notes, *_screened(data)))
+    found = replace(found, notes=(*found.notes, *_checked(data, problems)))
     if job.report is not None:
         # Matplotlib takes a second to load, which most calls need not wait for.
         from shoecal_core.report.diagnosis_report import write_diagnosis_report  # noqa: PLC0415
@@ -188,13 +193,13 @@ def _library(own: Path | None) -> tuple[Effect, ...]:
     return EFFECTS if own is None else (*EFFECTS, *effects_from(own))
 
 
-def _screened(data: SessionData) -> list[str]:
+def _checked(data: SessionData, problems: Sequence[str]) -> list[str]:
     """What `check` finds in the runs: none of it is left out of a diagnosis, as it may be a cause.
 
     Without the samples that it leaves out, of which every session has some.
     """
-    findings = data.screening.findings
-    return [f"check: {one.reason}" for one in findings if one.verdict != "PASS"]
+    found = [one.reason for one in data.screening.findings if one.verdict != "PASS"]
+    return [f"check: {reason}" for reason in (*problems, *found)]
 
 
 def _calibrated(calibration: Calibration, data: SessionData, test: Sequence[int]) -> CalibratedGap:

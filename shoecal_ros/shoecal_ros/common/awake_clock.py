@@ -36,7 +36,6 @@ class AwakeClock:
             self._woke_s = self._awake_s
         return self._awake_s
 
-    @property
     def catches_up(self) -> bool:
         """Whether what came during a sleep may still wait to be heard, older than it seems."""
         return self() - self._woke_s < CATCH_UP_S

@@ -218,7 +218,7 @@ class Execution:
 
         Joint angles from before a sleep would lead the robot back to where it was then.
         """
-        if part.renewal.due(part.elapsed) and not self._mover.awake.catches_up:
+        if part.renewal.due(part.elapsed) and not self._mover.awake.catches_up():
             piece = part.renewal.piece(part.elapsed, TIMEOUT_S * self._mover.robot_time.rate)
             self._mover.command(piece, part.stamp_ns)
             part.sent_s = time.monotonic()

@@ -40,7 +40,7 @@ def test_late_angles_efforts_and_imu_come_back_together(standard_session: Sessio
             imu=replace(on_time.imu, time=on_time.imu.time + late_s),
         )
         read = [(late, align(late, shoe, kinematics, late_s=late_s))]
-        found = make_samples(read, robot, shoe, kinematics, DiagnosisSettings())
+        found = make_samples(read, shoe, kinematics, DiagnosisSettings())
         assert found is not None
         return found
 

@@ -27,10 +27,10 @@ def test_a_sleep_counts_for_a_moment_only() -> None:
 def test_after_a_sleep_it_catches_up_for_a_moment() -> None:
     clock = Clock()
     awake = AwakeClock(clock)
-    assert not awake.catches_up
+    assert not awake.catches_up()
     clock.now += 0.2
-    assert not awake.catches_up
+    assert not awake.catches_up()
     clock.now += 0.4
-    assert awake.catches_up
+    assert awake.catches_up()
     clock.now += CATCH_UP_S + 0.01
-    assert not awake.catches_up
+    assert not awake.catches_up()

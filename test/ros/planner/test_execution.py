@@ -61,7 +61,7 @@ class Scene:
     """An armed robot that has just been sent a motion, and an execution that watches it."""
 
     def __init__(self) -> None:
-        clock = Clock()
+        self.clock = clock = Clock()
         moving = MovingSettings(tilt_required=False, load_required=False)
         self.sent: list[JointTrajectory] = []
         self.arming = Arming(10.0, clock)
@@ -194,6 +194,17 @@ def test_who_was_held_up_for_a_moment_goes_on(scene: Scene) -> None:
     scene.told_s += 0.8
     scene.tell(ANGLES)
     assert len(scene.sent) == 2
+
+
+def test_after_a_sleep_nothing_is_sent_before_what_waited_is_heard(scene: Scene) -> None:
+    sent = len(scene.sent)
+    scene.clock.now += 0.4
+    # Joint angles of just after it fell asleep.
+    scene.tell(ANGLES, 12)
+    assert len(scene.sent) == sent
+    scene.clock.now += 0.12
+    scene.tell(ANGLES)
+    assert len(scene.sent) == sent + 1
 
 
 def test_who_was_held_up_for_long_ends_the_motion_and_commands_no_way(scene: Scene) -> None:
