@@ -2,10 +2,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from reliability.row import Row
-from reliability.stopped_motion import ROWS, way_back
+from reliability.stopped_motion import ROWS, off_course
 from ros.adapters.driver_messages import NoMessagesError
+
+FloatArray = NDArray[np.float64]
 
 
 @pytest.mark.parametrize("row", ROWS, ids=[row.key for row in ROWS])
@@ -18,13 +21,34 @@ def test_a_robot_whose_planner_is_lost_rests(row: Row) -> None:
     assert (found.tried, found.failed) == (1, 0), found.worst
 
 
-def test_a_way_back_is_seen() -> None:
-    """It moved to 0.3 rad, rested, and was pulled back by 0.05 rad after 2 s."""
-    times = np.arange(0.0, 3.0, 0.02)
-    ways = np.clip(0.3 * times, 0.0, 0.3)
-    back = np.where(times > 2.0, np.clip(0.1 * (times - 2.0), 0.0, 0.05), 0.0)
-    still = np.full_like(times, -0.4)
-    for pulled, expected in ((back, 0.05), (-back, 0.0), (0.0 * back, 0.0)):
-        postures = np.column_stack([ways - pulled, still])
-        seen = list(zip(times.tolist(), postures, strict=True))
-        assert way_back(seen, 2.0) == pytest.approx(expected)
+TIMES = np.arange(0.0, 3.0, 0.02)
+STILL = np.full_like(TIMES, -0.4)
+RESUMED_S = 2.0
+
+
+def moving(since: FloatArray) -> list[tuple[float, FloatArray]]:
+    """It moved to 0.3 rad, rested, and moved on by some (T,) [rad] after the pause."""
+    ways = np.clip(0.3 * TIMES, 0.0, 0.3) + np.where(TIMES > RESUMED_S, since, 0.0)
+    return list(zip(TIMES.tolist(), np.column_stack([ways, STILL]), strict=True))
+
+
+def way(first: float, last: float) -> FloatArray:
+    ways = np.linspace(first, last, 51)
+    return np.column_stack([ways, np.full(51, -0.4)])
+
+
+def test_what_was_not_sent_since_the_pause_is_seen() -> None:
+    since = np.clip(0.1 * (TIMES - RESUMED_S), 0.0, 0.05)
+    still, on = moving(0.0 * since), moving(since)
+    for asleep in (False, True):
+        assert off_course(still, [], RESUMED_S, planner_slept=asleep) == 0.0
+        for way_off in (since, -since):
+            found = off_course(moving(way_off), [], RESUMED_S, planner_slept=asleep)
+            assert found == pytest.approx(0.05)
+        sent = [(2.1, way(0.3, 0.35))]
+        assert off_course(on, sent, RESUMED_S, planner_slept=asleep) < 1e-3
+    # Also a plan that turns may go on, but from where the robot is.
+    back = moving(-since)
+    assert off_course(back, [(2.1, way(0.3, 0.25))], RESUMED_S, planner_slept=True) < 1e-3
+    late = [(2.1, way(0.26, 0.25))]
+    assert off_course(back, late, RESUMED_S, planner_slept=True) == pytest.approx(0.04)

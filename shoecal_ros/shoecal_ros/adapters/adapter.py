@@ -33,6 +33,10 @@ STALE_S = 0.5
 NOT_HEARD = "not armed: no node publishes whether it is"
 OLDEST_S = 0.2
 """An older command was meant for a robot that has moved on since."""
+JOIN_RAD = 0.05
+"""A trajectory that begins at once begins so near to where the robot is. More than the planner's
+`start_error` of 0.03 rad, less than a robot is left behind by while pieces fail to come for a
+second."""
 REPORTED_S = 10.0
 """For so long it is reported that a trajectory was refused."""
 
@@ -85,6 +89,10 @@ class Adapter(ShoecalNode):
         Raises:
             ShoecalError: when it cannot.
         """
+
+    @abstractmethod
+    def commanded(self, names: tuple[str, ...]) -> FloatArray | None:
+        """(k,) where joints are commanded to be by now [rad]; None where some are not."""
 
     @abstractmethod
     def stop(self) -> None:
@@ -179,6 +187,7 @@ class Adapter(ShoecalNode):
         self._check_age(stamp_ns, latest)
         # Who sends two angles for one motor, or some beyond its limits, is refused here.
         self._check_rates(trajectory.full(self.robot, measured), measured)
+        self._check_begin(trajectory, measured)
         if missing := self.missing:
             if holds:
                 self._stop()
@@ -199,6 +208,29 @@ class Adapter(ShoecalNode):
             raise ShoecalError(
                 f"it is {age_s:.2f} s old by its stamp (at most {OLDEST_S:g} s); see that the "
                 "computer is not overloaded and that stamps are of the clock of joint_states"
+            )
+
+    def _check_begin(self, trajectory: JointTrajectory, measured: FloatArray) -> None:
+        """Refuse what begins neither where the robot is nor where it is commanded to be by now.
+
+        So begins what goes on without a robot that came to rest, as its pieces did not come here.
+
+        Args:
+            trajectory: to be followed.
+            measured: (m,) joint angles [rad].
+        """
+        names = trajectory.names
+        if trajectory.times[0] > 0.0:  # the robot has that long to get there
+            return
+        off = np.abs(trajectory.positions[0] - measured[[self.robot.joint(one) for one in names]])
+        commanded = self.commanded(names)
+        if commanded is not None:
+            off = np.minimum(off, np.abs(trajectory.positions[0] - commanded))
+        joint = int(np.argmax(off))
+        if off[joint] > JOIN_RAD:
+            raise ShoecalError(
+                f"joint '{names[joint]}' begins {off[joint]:.3g} rad from where it is "
+                f"(at most {JOIN_RAD:g} rad); plan from where the robot stands"
             )
 
     def _check_rates(self, trajectory: JointTrajectory, measured: FloatArray) -> None:

@@ -39,6 +39,15 @@ class StreamingAdapter(Adapter):
         self._catch_up()
         self._stream.begin(trajectory, measured, self.now_s)
 
+    def commanded(self, names: tuple[str, ...]) -> FloatArray | None:
+        """(k,) set points [rad]."""
+        self._catch_up()
+        angles = self._stream.at(self.now_s)
+        if angles is None or not set(names) <= set(self._stream.names):
+            return None
+        chosen: FloatArray = angles[[self._stream.names.index(name) for name in names]]
+        return chosen
+
     def stop(self) -> None:
         """Come to rest smoothly; drivers keep the last set points by themselves."""
         self._catch_up()

@@ -24,9 +24,6 @@ LOOK_S = 0.05
 """From one look whether the next piece is due to the next."""
 ROUNDING_S = 1e-3
 """By which a piece may be longer: messages carry nanoseconds."""
-JOIN_RAD = 0.05
-"""A controller goes at once to where a trajectory begins. More than the planner's `start_error` of
-0.03 rad, less than a robot is left behind by while pieces fail to come for a second."""
 LAST_WORDS_S = 1.0
 """In which the controller gets to hear the last command, and to do it."""
 
@@ -88,7 +85,6 @@ class ControllerAdapter(Adapter):
             raise ShoecalError("this adapter ends; start it again")
         whole = self._with_others(trajectory, measured)
         start = measured[[self.robot.joint(name) for name in whole.names]]
-        self._check_begin(whole, start)
         if whole.duration <= TIMEOUT_S + ROUNDING_S:
             # A command to hold, or a piece of the planner's.
             self._renewal = None
@@ -96,6 +92,14 @@ class ControllerAdapter(Adapter):
             return
         self._renewal, self._begun_s = Renewal(whole.begun_at(start)), self.now_s
         self._send(self._renewal.piece(0.0))
+
+    def commanded(self, names: tuple[str, ...]) -> FloatArray | None:
+        """(k,) on the last piece that was sent [rad]."""
+        if self._sent is None or not set(names) <= set(self._sent[0].names):
+            return None
+        piece, sent_s = self._sent
+        angles: FloatArray = piece.at(np.array(self.now_s - sent_s))
+        return angles[[piece.names.index(name) for name in names]]
 
     def stop(self) -> None:
         """Send no more, and cancel the goal where there is one."""
@@ -140,25 +144,6 @@ class ControllerAdapter(Adapter):
     def _send(self, piece: JointTrajectory) -> None:
         self._sent = piece, self.now_s
         self._controller.send(trajectory_to_ros(piece))
-
-    def _check_begin(self, trajectory: JointTrajectory, start: FloatArray) -> None:
-        """Refuse what begins neither where the controller is commanded to be nor at (k,) [rad].
-
-        So begins what goes on without a robot that came to rest, as its pieces did not come here.
-        """
-        if trajectory.times[0] > 0.0:  # the controller takes that long to get there
-            return
-        off = np.abs(trajectory.positions[0] - start)
-        if self._sent is not None and self._sent[0].names == trajectory.names:
-            piece, sent_s = self._sent
-            commanded = piece.at(np.array(self.now_s - sent_s))
-            off = np.minimum(off, np.abs(trajectory.positions[0] - commanded))
-        joint = int(np.argmax(off))
-        if off[joint] > JOIN_RAD:
-            raise ShoecalError(
-                f"joint '{trajectory.names[joint]}' begins {off[joint]:.3g} rad from where it is "
-                f"(at most {JOIN_RAD:g} rad); plan from where the robot stands"
-            )
 
     def _with_others(self, trajectory: JointTrajectory, measured: FloatArray) -> JointTrajectory:
         added = [(name, joint) for name, joint in self._others if name not in trajectory.names]

@@ -38,9 +38,6 @@ R = TypeVar("R")
 
 ANSWER_S = 30.0
 """Wall-clock time in which cancelled planning must end."""
-HELD_UP = 2.0
-"""Times TIMEOUT_S without a new piece end a motion: the robot has rested for a while by then, and
-who was away for so long does not know what has become of it."""
 CURE = "see that the robot's motors are on and that it listens to joint_trajectory"
 
 _CODES: tuple[tuple[type[ShoecalError], int], ...] = (
@@ -272,16 +269,21 @@ class Execution:
         return look
 
     def _check_time(self, part: StreamedPart) -> None:
-        """End a motion of which nothing was sent for long; the robot rests already."""
+        """End a motion of which nothing was sent for long; the robot rests already.
+
+        Either joint angles came late, of which `stale_s` says how late they may, or this node was
+        away as long, and does not know what has become of the robot.
+        """
         away_s, problem = part.elapsed - part.renewal.begun, ""
+        late_s = self._mover.moving.stale_s * self._mover.robot_time.rate
         if away_s < 0.0:
             problem = (
                 f"stamps of joint_states went back by {-away_s:.1f} s; see what sets that clock"
             )
-        elif not part.renewal.done and away_s > HELD_UP * part.renewal.timeout_s:
+        elif not part.renewal.done and away_s > late_s + part.renewal.timeout_s:
             problem = (
-                f"the planner was held up for {away_s:.1f} s, in which the robot came to rest; see "
-                "that the computer is not overloaded"
+                f"the planner or the joint angles were held up for {away_s:.1f} s, in which the "
+                "robot came to rest; see that the computer is not overloaded"
             )
         if problem:
             self._part = None

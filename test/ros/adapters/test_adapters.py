@@ -79,6 +79,19 @@ def test_armed_again_at_once_it_does_not_go_on(adapter: str, robot: Adapted) -> 
     robot.world.until(lambda: abs(knee.way - WAY) < 1e-6)
 
 
+@pytest.mark.parametrize("duration", [0.5, 3.0])
+def test_what_begins_elsewhere_is_refused(robot: Adapted, duration: float) -> None:
+    """No piece of a motion goes on without a robot that was left behind."""
+    knee = Knee(robot)
+    robot.arm()
+    robot.until_well("armed")
+    robot.send(squat(duration, begin=0.06))
+    robot.until_reported("trajectory refused: joint 'LKneePitch' begins 0.06 rad from where it is")
+    assert knee.way == 0.0
+    robot.command(squat(0.5))
+    robot.world.until(lambda: abs(knee.way - WAY) < 1e-6)
+
+
 def test_a_hold_counts_while_the_driver_is_gone(adapter: str, robot: Adapted) -> None:
     """Else one that comes back would be told to be where the motion has come to meanwhile."""
     knee = Knee(robot)

@@ -70,18 +70,6 @@ def test_killed_it_leaves_the_controller_half_a_second_to_go_on_with(robot: Adap
     assert knee.way - way < 0.3 / 60.0 * 10.0
 
 
-@pytest.mark.parametrize("duration", [0.5, 3.0])
-def test_what_begins_elsewhere_is_refused(robot: Adapted, duration: float) -> None:
-    """A controller would jump there: no piece goes on without a robot that was left behind."""
-    knee = Knee(robot)
-    robot.arm()
-    robot.until_well("armed")
-    robot.send(squat(duration, begin=0.06))
-    robot.until_reported("trajectory refused: joint 'LKneePitch' begins 0.06 rad from where it is")
-    assert knee.way == 0.0
-    squats(robot, knee)
-
-
 def test_a_motion_in_many_goals_comes_to_its_end(robot: Adapted) -> None:
     knee = Knee(robot)
     robot.arm()

@@ -207,6 +207,14 @@ def test_after_a_sleep_nothing_is_sent_before_what_waited_is_heard(scene: Scene)
     assert len(scene.sent) == sent + 1
 
 
+def test_joint_angles_may_be_as_late_as_the_settings_say(scene: Scene) -> None:
+    scene.mover.moving = replace(scene.mover.moving, stale_s=3.0)
+    scene.told_s += 3.0
+    scene.tell(ANGLES)
+    assert len(scene.sent) == 2
+    assert scene.execution.following
+
+
 def test_who_was_held_up_for_long_ends_the_motion_and_commands_no_way(scene: Scene) -> None:
     scene.told_s += 3.0
     with pytest.raises(RefusedError, match=r"held up for 3\.0 s.*ask for the motion again"):
