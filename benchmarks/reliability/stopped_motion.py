@@ -145,6 +145,7 @@ class Scene:
         nodes = self._begin(kind)
         goal = self._until_moving(nodes, phase, rng)
         paused_s = float(rng.uniform(*PAUSE_S))
+        last = self._sent[-1][1]
         self._sent.clear()
         for victim in victims:
             self.world.processes[nodes[victim]].send_signal(signal.SIGSTOP)
@@ -153,11 +154,12 @@ class Scene:
         for victim in victims:
             self.world.processes[nodes[victim]].send_signal(signal.SIGCONT)
         wait(self.world, BACK_S)
-        own = sorted({name for _, one in self._sent for name in one.names} & set(self._names))
+        own = sorted({*last.names} & {*self._names})
         sent = [(at, on_its_way(one, own)) for at, one in self._sent]
         columns = [self._names.index(name) for name in own]
         seen = [(at, angles[columns]) for at, angles in self._seen]
-        off = off_course(seen, sent, resumed_at, planner_slept="planner" in victims)
+        way = on_its_way(last, own)
+        off = off_course(seen, way, sent, resumed_at, planner_slept="planner" in victims)
         if off > BACK_RAD:
             raise BrokenError(
                 f"{kind}, {' and '.join(victims)}, {phase}: {off:.4f} rad off after "
@@ -259,6 +261,7 @@ def on_its_way(command: JointTrajectory, names: Sequence[str]) -> FloatArray:
 
 def off_course(
     seen: Sequence[tuple[float, FloatArray]],
+    last: FloatArray,
     sent: Sequence[tuple[float, FloatArray]],
     resumed_at: float,
     *,
@@ -266,25 +269,32 @@ def off_course(
 ) -> float:
     """By how much a robot leaves what it may do after a pause [rad].
 
-    It may stay, and go to what was sent since the pause began. Of that the planner, where it slept,
-    may have sent nothing that begins elsewhere than where the robot rests or goes to since.
+    It may stay, go on with what it was doing, and go to what was sent since the pause began. Of
+    that the planner, where it slept, may have sent nothing that begins elsewhere than on that way.
 
     Args:
         seen: times [s] and joint angles (m,) [rad], in order.
-        sent: times [s] and postures (k, m) [rad] on the way of each command.
+        last: (k, m) postures on the way of the command that was being done as the pause began.
+        sent: of those since, times [s] and postures (k, m) [rad] on the way of each command.
         resumed_at: from when on it counts [s].
         planner_slept: or else the adapter alone.
     """
     rest = [angles for at, angles in seen if at <= resumed_at][-1]
-    allowed, off = rest[None], 0.0
+    # What lies before where it rests would be a way back.
+    nearest = int(np.argmin(np.abs(last - rest).max(axis=1)))
+    allowed, off = np.vstack([rest, _passed_over(rest, last[nearest:])]), 0.0
     for at, postures in sent:
         if planner_slept and at > resumed_at:
             off = max(off, _from(allowed, postures[0]))
-        # Adapters pass over from rest to what comes.
-        shares = np.linspace(0.0, 1.0, PASSED_OVER)[:, None, None]
-        between = rest + shares * (postures - rest)
-        allowed = np.vstack([allowed, between.reshape(-1, len(rest))])
+        allowed = np.vstack([allowed, _passed_over(rest, postures)])
     return max([off, *(_from(allowed, angles) for at, angles in seen if at > resumed_at)])
+
+
+def _passed_over(rest: FloatArray, postures: FloatArray) -> FloatArray:
+    """(K, m) on the straight ways from rest (m,) to postures (k, m), as adapters pass over."""
+    shares = np.linspace(0.0, 1.0, PASSED_OVER)[:, None, None]
+    found: FloatArray = (rest + shares * (postures - rest)).reshape(-1, len(rest))
+    return found
 
 
 def _from(allowed: FloatArray, posture: FloatArray) -> float:

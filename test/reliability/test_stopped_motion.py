@@ -33,22 +33,26 @@ def moving(since: FloatArray) -> list[tuple[float, FloatArray]]:
 
 
 def way(first: float, last: float) -> FloatArray:
-    ways = np.linspace(first, last, 51)
-    return np.column_stack([ways, np.full(51, -0.4)])
+    ways = np.linspace(first, last, 501)
+    return np.column_stack([ways, np.full(501, -0.4)])
 
 
 def test_what_was_not_sent_since_the_pause_is_seen() -> None:
     since = np.clip(0.1 * (TIMES - RESUMED_S), 0.0, 0.05)
-    still, on = moving(0.0 * since), moving(since)
+    still, on, back = moving(0.0 * since), moving(since), moving(-since)
+    last = way(0.0, 0.3)
     for asleep in (False, True):
-        assert off_course(still, [], RESUMED_S, planner_slept=asleep) == 0.0
-        for way_off in (since, -since):
-            found = off_course(moving(way_off), [], RESUMED_S, planner_slept=asleep)
-            assert found == pytest.approx(0.05)
+        assert off_course(still, last, [], RESUMED_S, planner_slept=asleep) == 0.0
+        for pulled in (on, back):
+            found = off_course(pulled, last, [], RESUMED_S, planner_slept=asleep)
+            assert found == pytest.approx(0.05, abs=1e-3)
         sent = [(2.1, way(0.3, 0.35))]
-        assert off_course(on, sent, RESUMED_S, planner_slept=asleep) < 1e-3
+        assert off_course(on, last, sent, RESUMED_S, planner_slept=asleep) < 1e-3
+        # What it was doing may be done.
+        assert off_course(on, way(0.0, 0.35), [], RESUMED_S, planner_slept=asleep) < 1e-3
     # Also a plan that turns may go on, but from where the robot is.
-    back = moving(-since)
-    assert off_course(back, [(2.1, way(0.3, 0.25))], RESUMED_S, planner_slept=True) < 1e-3
+    turned = [(2.1, way(0.3, 0.25))]
+    assert off_course(back, last, turned, RESUMED_S, planner_slept=True) < 1e-3
     late = [(2.1, way(0.26, 0.25))]
-    assert off_course(back, late, RESUMED_S, planner_slept=True) == pytest.approx(0.04)
+    found = off_course(back, last, late, RESUMED_S, planner_slept=True)
+    assert found == pytest.approx(0.04, abs=1e-3)
