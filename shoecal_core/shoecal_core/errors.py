@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 from pathlib import Path
 
@@ -38,17 +37,6 @@ class ShoecalError(Exception):
 
     def __reduce__(self) -> tuple[object, ...]:
         return _revive, (type(self), self.args), self.__dict__
-
-
-@contextmanager
-def noting(problems: list[str] | None) -> Iterator[None]:
-    """Within it, errors of this project are noted on a list; without a list they are raised."""
-    try:
-        yield
-    except ShoecalError as error:
-        if problems is None:
-            raise
-        problems.append(str(error))
 
 
 class FileError(ShoecalError):

@@ -17,8 +17,8 @@ from shoecal_core.diagnosis.workspace import Workspace, make_workspace
 from shoecal_core.error_sources.effects.known import EFFECTS
 from shoecal_core.error_sources.signal_model import make_signal_model
 from shoecal_core.error_sources.tolerances import Tolerances
+from shoecal_core.estimation.session_data import load_data
 from shoecal_core.recording.session import Session
-from shoecal_core.samples.sampling import read_runs, samples_of
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 
@@ -68,7 +68,7 @@ def standard_session(tmp_path_factory: pytest.TempPathFactory) -> Session:
 def workspace(standard_session: Session) -> Workspace:
     """Every effect laid out in that session."""
     settings = DiagnosisSettings()
-    samples = samples_of(read_runs(standard_session, range(1, 9)), settings)
+    samples = load_data(standard_session, range(1, 9)).whole_samples(settings)
     train, test = range(1, 7), (7, 8)
     signal_model = make_signal_model(samples, first_parameters(samples, train), settings)
     return make_workspace(signal_model, EFFECTS, train, test, settings, Tolerances())

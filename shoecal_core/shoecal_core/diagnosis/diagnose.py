@@ -11,7 +11,7 @@ from shoecal_core.diagnosis.baseline import first_parameters
 from shoecal_core.diagnosis.budget import budget
 from shoecal_core.diagnosis.dissent import lowered, worse_runs
 from shoecal_core.diagnosis.evidence import evidence
-from shoecal_core.diagnosis.measured import MeasuredBefore, at_zeros, measure, zeros_in
+from shoecal_core.diagnosis.measured import MeasuredBefore, at_zeros, measure
 from shoecal_core.diagnosis.next_motion import propose
 from shoecal_core.diagnosis.preflight import preflight
 from shoecal_core.diagnosis.result import Diagnosis
@@ -28,11 +28,12 @@ from shoecal_core.error_sources.base import Effect, Place
 from shoecal_core.error_sources.effects.known import EFFECTS
 from shoecal_core.error_sources.signal_model import make_signal_model
 from shoecal_core.error_sources.tolerances import Tolerances
+from shoecal_core.estimation.session_data import SessionData, load_data
 from shoecal_core.progress import Progress, no_progress
 from shoecal_core.recording.errors import SessionError
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.train_test import split_runs
-from shoecal_core.samples.sampling import read_runs, samples_of
+from shoecal_core.screening.settings import CalibrationSettings
 
 SHOWN = 20
 """Hypotheses that a ranking lists."""
@@ -57,11 +58,12 @@ def diagnose(
     settings: DiagnosisSettings | None = None,
     tolerances: Tolerances | None = None,
     *,
-    weight_kg: float | None = None,
     rezero: bool = False,
     without: frozenset[str] = frozenset(),
     only: Callable[[str, Place], bool] | None = None,
     effects: Sequence[Effect] = EFFECTS,
+    data: SessionData | None = None,
+    weight_known: bool = False,
     progress: Progress = no_progress,
 ) -> Diagnosis:
     """Find where model and reality differ, and why.
@@ -71,11 +73,12 @@ def diagnose(
         train, test: runs; see `split_runs`. Test runs touch no fit and no ranking.
         settings: what the user decides.
         tolerances: how far a robot that works may be off its files.
-        weight_kg: of robot and shoes, in place of the robot file's [kg].
         rezero: take each run with its own zeros, where a foot hangs in it.
         without: families of signals left out (`signals.FAMILIES`).
         only: whether to look for an effect at a place; None: everywhere (see `Wanted`).
         effects: the library.
+        data: of exactly these runs, where it was loaded already.
+        weight_known: whether that robot's weight is not looked for, as it comes from a scale.
         progress: see `Progress`.
 
     Raises:
@@ -84,13 +87,16 @@ def diagnose(
     settings = DiagnosisSettings() if settings is None else settings
     tolerances = Tolerances() if tolerances is None else tolerances
     train, test = split_runs(session, train, test)
-    read = read_runs(
-        session,
-        (*train, *test),
-        lambda text, share: progress(text, 0.2 * share),
-        weight_kg=weight_kg,
-    )
-    samples, zeros = samples_of(read, settings), zeros_in(read)
+    if data is None:
+        data = load_data(
+            session,
+            (*train, *test),
+            CalibrationSettings(),
+            all_readable=False,
+            progress=lambda text, share: progress(text, 0.2 * share),
+        )
+    samples = data.whole_samples(settings)
+    zeros = tuple(zero for zero in data.zeros if zero.run in samples.runs)
     train, test = (tuple(run for run in runs if run in samples.runs) for runs in (train, test))
     if rezero:
         samples = at_zeros(samples, zeros, train)
@@ -110,8 +116,8 @@ def diagnose(
     known = MeasuredBefore()
     if only is None:
         known = measure(
-            session, read, samples, () if rezero else zeros, train,
-            workspace.signal_model.parameters, settings, weighs=weight_kg is None,
+            data, samples, () if rezero else zeros, train,
+            workspace.signal_model.parameters, settings, weighs=not weight_known,
         )  # fmt: skip
     corrected = workspace
     if halted is not None or known:

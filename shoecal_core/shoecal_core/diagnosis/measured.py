@@ -19,16 +19,13 @@ from shoecal_core.diagnosis.shrink import shrink
 from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.error_sources.base import ALL
 from shoecal_core.error_sources.effects import places
-from shoecal_core.errors import ShoecalError
+from shoecal_core.estimation.session_data import SessionData
 from shoecal_core.estimation.walking_fit import common_zeros, zero_shifts
-from shoecal_core.estimation.weight import Weighed, weigh
-from shoecal_core.recording.session import Session
+from shoecal_core.estimation.weight import Weighed
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.samples.samples import Samples
-from shoecal_core.samples.sampling import Read
 from shoecal_core.samples.zeros import NORMAL_95, Zero, data_sheet
-from shoecal_core.screening.extract import zeros_of
 from shoecal_core.shoe.shoe import FEET
 from shoecal_core.shoe.wrench import ChannelParameters
 
@@ -113,8 +110,7 @@ class MeasuredBefore:
 
 
 def measure(
-    session: Session,
-    read: Read,
+    data: SessionData,
     samples: Samples,
     zeros: tuple[Zero, ...],
     train: Sequence[int],
@@ -126,7 +122,7 @@ def measure(
     """Look for zeros that moved, and for another weight than the robot file's.
 
     Args:
-        session: that was read.
+        data: of the session.
         samples: of it. zeros: of its runs.
         train: runs.
         fitted: gains of channels without data sheets.
@@ -134,25 +130,13 @@ def measure(
     """
     found = _moved(samples, zeros, train, fitted, settings)
     taken = zeros if found else ()
-    weighed = weigh(read.shoe, {run.info.run: one.readings for run, one in read.runs}, zeros)
-    mass = samples.robot.mass
+    weighed, mass = data.weighed, samples.robot.mass
     if weighed is None or not weighs or weighed.ci95[0] <= mass <= weighed.ci95[1]:
         return MeasuredBefore(tuple(found), taken, tuple(train))
     if abs(weighed.kg - mass) <= mass * settings.material_share:
         return MeasuredBefore(tuple(found), taken, tuple(train))
-    robot = load_robot(session.robot_yaml, read.shoe, weight_kg=weighed.kg)
+    robot = load_robot(data.session.robot_yaml, data.shoe, weight_kg=weighed.kg)
     return MeasuredBefore(tuple(found), taken, tuple(train), robot, weighed)
-
-
-def zeros_in(read: Read) -> tuple[Zero, ...]:
-    """What feet show in the air; a run in which they cannot be found has none."""
-    found: list[Zero] = []
-    for run, aligned in read.runs:
-        try:
-            found += zeros_of(run, aligned, read.shoe, read.kinematics)
-        except ShoecalError:
-            continue  # it is left out of the samples as well, with a note
-    return tuple(found)
 
 
 def at_zeros(samples: Samples, zeros: Sequence[Zero], train: Sequence[int]) -> Samples:

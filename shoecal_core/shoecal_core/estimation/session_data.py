@@ -2,26 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
-from shoecal_core.errors import noting
+from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.data_sheets import without_sheets
 from shoecal_core.estimation.joint import SAMPLING
 from shoecal_core.estimation.weight import Weighed, weigh
+from shoecal_core.progress import Progress, no_progress
+from shoecal_core.recording.errors import RecordingError, SessionError
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot
-from shoecal_core.samples.aligned import Aligned, align_each
+from shoecal_core.samples.aligned import Aligned, align
+from shoecal_core.samples.clocks import check_clocks
+from shoecal_core.samples.missing import missing
 from shoecal_core.samples.samples import Samples
 from shoecal_core.samples.sampling import make_samples
+from shoecal_core.samples.settings import SampleSettings
 from shoecal_core.samples.stance import Stance
 from shoecal_core.samples.zeros import Zero
-from shoecal_core.screening.clocks import align_runs
+from shoecal_core.screening.clocks import time_offset
 from shoecal_core.screening.extract import stances_of, zeros_of
 from shoecal_core.screening.result import Screening
 from shoecal_core.screening.screen import screen
@@ -31,35 +38,77 @@ from shoecal_core.shoe.shoe import Shoe
 
 @dataclass(frozen=True)
 class SessionData:
-    """A session made ready for fitting.
+    """A session read, aligned, screened and cut into stances: what every command starts from.
 
     Attributes:
+        session: it was read from.
         robot, shoe: what it was recorded with.
         runs: by number, as recorded.
-        aligned: of each the readings, with the model's values.
+        recorded: of each the readings, with the model's values by the stamps as they are.
+        aligned: the same without the time offset that the screening found.
         stances: by number of the run.
-        samples: means of all runs that stand; None where the robot walks, or without a screening.
         screening: what was found in it before the fit, and left out.
         zeros: of feet in the air, by run.
         hanging: runs in which both feet are in the air; once fitted, of the training runs.
         weighed: what the data sheets of the sensors make of the robot's weight; None where that
             cannot be known.
+        problems: by run, why it is left out, or why it has no stances.
     """
 
+    session: Session
     robot: Robot
     shoe: Shoe
     runs: Mapping[int, Run]
+    recorded: Mapping[int, Aligned]
     aligned: Mapping[int, Aligned]
-    stances: dict[int, tuple[Stance, ...]]
-    samples: Samples | None
+    stances: Mapping[int, tuple[Stance, ...]]
     screening: Screening = field(default_factory=Screening)
     zeros: tuple[Zero, ...] = ()
     hanging: frozenset[int] = frozenset()
     weighed: Weighed | None = None
+    problems: Mapping[int, str] = field(default_factory=dict)
 
     def of(self, runs: Sequence[int]) -> list[Stance]:
         """Stances of some runs."""
         return [stance for run in runs for stance in self.stances[run]]
+
+    @cached_property
+    def samples(self) -> Samples | None:
+        """Means of what a fit uses; None where the robot walks, or a cell is at fault."""
+        read = [(run, self.aligned[number]) for number, run in self._loaded()]
+        walks = any(run.info.support is None for run, _ in read)
+        if walks or self.screening.fails:
+            return None
+        kept, air = self.screening.kept, self.screening.air
+        return make_samples(read, self.shoe, Kinematics(self.robot), SAMPLING, kept, air)
+
+    def whole_samples(self, settings: SampleSettings) -> Samples:
+        """Means of all that was recorded, by the stamps as they are, with notes.
+
+        For a diagnosis: what a fit leaves out or puts right may be the cause.
+
+        Raises:
+            ShoecalError: when no run can be used.
+        """
+        notes = [f"run {run} is left out: both feet are in the air" for run in sorted(self.hanging)]
+        absent = self.problems.keys() - self.runs.keys()
+        notes += [f"run {run} is left out: {self.problems[run]}" for run in sorted(absent)]
+        read = []
+        for number, run in self._loaded():
+            try:
+                check_clocks(run)
+                read.append((run, self.recorded[number]))
+            except RecordingError as error:
+                notes.append(f"run {number} is left out: {error}")
+        samples = make_samples(read, self.shoe, Kinematics(self.robot), settings, notes=notes)
+        if samples is None:
+            reasons = "; ".join(notes) or "record some"
+            raise SessionError(self.session.folder, f"no run can be used: {reasons}")
+        return replace(samples, notes=(*notes, *missing(samples)))
+
+    def _loaded(self) -> list[tuple[int, Run]]:
+        """Runs in which a foot carries the robot."""
+        return [(number, run) for number, run in self.runs.items() if not run.info.hanging]
 
     @property
     def end_ns(self) -> int:
@@ -84,7 +133,8 @@ def load_data(
     weight_kg: float | None = None,
     sheets: bool = True,
     robot: Robot | None = None,
-    problems: list[str] | None = None,
+    all_readable: bool = True,
+    progress: Progress = no_progress,
 ) -> SessionData:
     """Read runs of a session (all of them by default) and align them with the model.
 
@@ -95,49 +145,68 @@ def load_data(
         weight_kg: of robot and shoes, in place of the robot file's [kg].
         sheets: whether to believe the data sheets of its sensors.
         robot: in place of the session's own, shoes put on.
-        problems: takes why runs are left out that cannot be read or aligned, and why others have no
-            stances; None: that is an error.
+        all_readable: whether a run that cannot be used is an error; else it is left out, and
+            `SessionData.problems` says why.
+        progress: see `Progress`.
 
     Raises:
-        ShoecalError: robot, shoe or, without a list of problems, a run cannot be used.
+        ShoecalError: robot, shoe or, where all runs have to be readable, a run cannot be used.
     """
     shoe = session.shoe if sheets else without_sheets(session.shoe)
     if robot is None:
         robot = load_robot(session.robot_yaml, shoe, weight_kg=weight_kg)
     kinematics = Kinematics(robot)
-    recorded: dict[int, Run] = {}
-    for number in [entry.run for entry in session.runs] if runs is None else runs:
-        with noting(problems):
-            recorded[number] = session.read(number)
-    late = 0.0
-    if settings is None:
-        aligned = align_each(recorded, shoe, kinematics, problems=problems)
-    else:
-        aligned, late = align_runs(recorded, shoe, kinematics, settings, problems)
-    recorded = {number: recorded[number] for number in aligned}
-    loaded = {number: run for number, run in recorded.items() if not run.info.hanging}
-    read = [(run, aligned[number]) for number, run in loaded.items()]
-    screening, samples = Screening(), None
+    problems: dict[int, str] | None = None if all_readable else {}
+    wanted = [entry.run for entry in session.runs] if runs is None else runs
+    read: dict[int, Run] = {}
+    recorded: dict[int, Aligned] = {}
+    for index, number in enumerate(wanted):
+        progress(f"reading run {number}", index / len(wanted))
+        with noting(problems, number):
+            run = session.read(number)
+            recorded[number] = align(run, shoe, kinematics)
+            read[number] = run
+    loaded = {number: run for number, run in read.items() if not run.info.hanging}
+    aligned, screening = recorded, Screening()
     if settings is not None:
+        standing = {number: recorded[number] for number, run in read.items() if run.info.support}
+        late = time_offset(standing, shoe, robot.weight, settings)
+        if late != 0.0:
+            aligned = {}
+            for number, run in read.items():
+                with noting(problems, number):
+                    aligned[number] = align(run, shoe, kinematics, late_s=late)
+            read, loaded = ({n: runs[n] for n in aligned} for runs in (read, loaded))
         there = {number: aligned[number] for number in loaded}
         screening = screen(loaded, there, shoe, robot.weight, settings, late)
-        if read and all(run.info.support is not None for run, _ in read) and not screening.fails:
-            samples = make_samples(read, shoe, kinematics, SAMPLING, screening.kept, screening.air)
-    stances: dict[int, tuple[Stance, ...]] = dict.fromkeys(recorded, ())
+    stances: dict[int, tuple[Stance, ...]] = dict.fromkeys(read, ())
     zeros: list[Zero] = []
-    for number, run in recorded.items():
-        with noting(problems):
+    for number, run in read.items():
+        with noting(problems, number):
             zeros += zeros_of(run, aligned[number], shoe, kinematics)
             stances[number] = tuple(stances_of(run, aligned[number], shoe, kinematics, screening))
     return SessionData(
+        session=session,
         robot=robot,
         shoe=shoe,
-        runs=recorded,
+        runs=read,
+        recorded=recorded,
         aligned=aligned,
         stances=stances,
-        samples=samples,
         screening=screening,
         zeros=tuple(zeros),
-        hanging=frozenset(number for number, run in recorded.items() if run.info.hanging),
-        weighed=weigh(shoe, {run.info.run: one.readings for run, one in read}, zeros),
+        hanging=frozenset(number for number, run in read.items() if run.info.hanging),
+        weighed=weigh(shoe, {number: aligned[number].readings for number in loaded}, zeros),
+        problems=problems or {},
     )
+
+
+@contextmanager
+def noting(problems: dict[int, str] | None, run: int) -> Iterator[None]:
+    """Within it, errors of this project are noted as a run's; with nowhere to note, raised."""
+    try:
+        yield
+    except ShoecalError as error:
+        if problems is None:
+            raise
+        problems.setdefault(run, str(error))

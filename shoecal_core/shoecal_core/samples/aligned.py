@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.errors import noting
 from shoecal_core.recording.align import interpolate_joints
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.limits import beyond_limits, in_degrees
@@ -87,26 +85,6 @@ def align(run: Run, shoe: Shoe, kinematics: Kinematics, *, late_s: float = 0.0) 
     angles = angles[covered]
     readings = run.readings.value[good][covered]
     return Aligned(time[covered], readings, angles, kinematics.states(angles), late_s)
-
-
-def align_each(
-    runs: Mapping[int, Run],
-    shoe: Shoe,
-    kinematics: Kinematics,
-    *,
-    late_s: float = 0.0,
-    problems: list[str] | None = None,
-) -> dict[int, Aligned]:
-    """Runs aligned as by `align`, by number.
-
-    Args:
-        problems: takes why runs are left out that cannot be aligned; None: that is an error.
-    """
-    aligned = {}
-    for number, run in runs.items():
-        with noting(problems):
-            aligned[number] = align(run, shoe, kinematics, late_s=late_s)
-    return aligned
 
 
 def _check_unit(run: Run, names: list[str], robot: Robot) -> None:

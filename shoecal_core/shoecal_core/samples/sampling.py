@@ -3,28 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
-from shoecal_core.errors import FileError, ShoecalError
-from shoecal_core.progress import Progress, no_progress
-from shoecal_core.recording.errors import SessionError
+from shoecal_core.errors import ShoecalError
 from shoecal_core.recording.run import Run
-from shoecal_core.recording.session import Session
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot import GRAVITY, Robot
-from shoecal_core.robot.robot_file import load_robot
-from shoecal_core.samples.aligned import Aligned, align
-from shoecal_core.samples.clocks import check_clocks
+from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.contact import at_least_load
 from shoecal_core.samples.even import evenly
 from shoecal_core.samples.known_weight import carried, with_mass
 from shoecal_core.samples.lifting import TRANSIT_S, hanging_foot, height_change
-from shoecal_core.samples.missing import missing
 from shoecal_core.samples.momentum import standing_spin
 from shoecal_core.samples.samples import Samples, Track
 from shoecal_core.samples.settings import SampleSettings
@@ -40,71 +33,6 @@ IntArray = NDArray[np.int64]
 MIN_SEGMENT_S = 0.8
 LEAST_FILLED = 0.5
 """Part of a sample's time in which there must be readings."""
-
-
-@dataclass(frozen=True)
-class Read:
-    """Runs as they were recorded, with the joint angles at the times of their readings.
-
-    Attributes:
-        session: folder.
-        robot, shoe, kinematics: of what was recorded.
-        runs: those that could be read.
-        notes: why others were left out.
-    """
-
-    session: Path
-    robot: Robot
-    shoe: Shoe
-    kinematics: Kinematics
-    runs: tuple[tuple[Run, Aligned], ...]
-    notes: tuple[str, ...]
-
-
-def read_runs(
-    session: Session,
-    runs: Sequence[int],
-    progress: Progress = no_progress,
-    *,
-    weight_kg: float | None = None,
-) -> Read:
-    """Read runs; one that is damaged is left out, with a note.
-
-    Args:
-        weight_kg: of robot and shoes, in place of the robot file's [kg].
-    """
-    shoe = session.shoe
-    robot = load_robot(session.robot_yaml, shoe, weight_kg=weight_kg)
-    kinematics = Kinematics(robot)
-    notes: list[str] = []
-    read = []
-    for index, number in enumerate(runs):
-        progress(f"reading run {number}", index / len(runs))
-        try:
-            run = session.read(number)
-            if run.info.hanging:
-                notes.append(f"run {number} is left out: both feet are in the air")
-                continue
-            check_clocks(run)
-            read.append((run, align(run, shoe, kinematics)))
-        except FileError as error:
-            notes.append(f"run {number} is left out: {error}")
-    return Read(session.folder, robot, shoe, kinematics, tuple(read), tuple(notes))
-
-
-def samples_of(read: Read, settings: SampleSettings) -> Samples:
-    """Samples of runs that were read; one of which nothing can be used is left out, with a note.
-
-    Raises:
-        ShoecalError: when no run is left.
-    """
-    notes = list(read.notes)
-    samples = make_samples(read.runs, read.shoe, read.kinematics, settings, notes=notes)
-    if samples is None:
-        raise SessionError(
-            read.session, "no run can be used: " + ("; ".join(notes) or "record some")
-        )
-    return replace(samples, notes=(*notes, *missing(samples)))
 
 
 def make_samples(

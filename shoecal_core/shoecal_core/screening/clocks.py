@@ -16,9 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
-from shoecal_core.recording.run import Run
-from shoecal_core.robot.kinematics import Kinematics
-from shoecal_core.samples.aligned import MIN_SAMPLES, Aligned, align_each
+from shoecal_core.samples.aligned import MIN_SAMPLES, Aligned
 from shoecal_core.samples.even import resampled, typical_period
 from shoecal_core.screening.blocks import blocks
 from shoecal_core.screening.noise import spread
@@ -51,29 +49,6 @@ class CopTrack:
     time: FloatArray
     measured: FloatArray
     modelled: FloatArray
-
-
-def align_runs(
-    runs: Mapping[int, Run],
-    shoe: Shoe,
-    kinematics: Kinematics,
-    settings: CalibrationSettings,
-    problems: list[str] | None = None,
-) -> tuple[dict[int, Aligned], float]:
-    """Runs aligned with the model, and by how much the joints were late before that [s].
-
-    Args:
-        problems: as for `align_each`.
-    """
-    aligned = align_each(runs, shoe, kinematics, problems=problems)
-    standing = {
-        number: one for number, one in aligned.items() if runs[number].info.support is not None
-    }
-    late = time_offset(standing, shoe, kinematics.robot.weight, settings)
-    if late == 0.0:
-        return aligned, 0.0
-    there = {number: runs[number] for number in aligned}
-    return align_each(there, shoe, kinematics, late_s=late, problems=problems), late
 
 
 def time_offset(

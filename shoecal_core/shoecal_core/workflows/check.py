@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from shoecal_core.error_sources.tolerances import Tolerances
-from shoecal_core.errors import noting
+from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.checks import missing_text
 from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.estimation.session_data import SessionData, load_data
@@ -60,7 +60,8 @@ def check_session(
         f"{path.name} was not finished: rescue it with `shoecal recover {path}`"
         for path in session.unfinished
     ] + ([missing_text(session.missing)] if session.missing else [])
-    data = load_data(session, None, settings, weight_kg=weight_kg, problems=problems)
+    data = load_data(session, None, settings, weight_kg=weight_kg, all_readable=False)
+    problems += data.problems.values()
     if not data.runs:
         problems.append(f"{session.folder}: no run can be read; record some")
     found = data.screening.findings
@@ -70,11 +71,13 @@ def check_session(
     if not problems:
         train, test = split_runs(session, (), ())
         same = data if {*train, *test} == data.runs.keys() else None
-        with noting(problems):
+        try:
             outcome = calibrate_session(
                 session, train, test, settings, tolerances,
                 weight_kg=weight_kg, rezero=True, data=same,
             )  # fmt: skip
+        except ShoecalError as error:
+            problems.append(str(error))
     if outcome is not None and outcome.calibration.verdict != "PASS":
         for level, text in (split_reason(one, "WARN") for one in outcome.calibration.reasons):
             if level == "FAIL":

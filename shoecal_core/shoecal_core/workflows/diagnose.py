@@ -18,14 +18,14 @@ from shoecal_core.estimation.series import errors, measured_series, modelled_ser
 from shoecal_core.estimation.session_data import SessionData, load_data
 from shoecal_core.progress import Progress, no_progress
 from shoecal_core.recording.session import Session
+from shoecal_core.recording.train_test import split_runs
 from shoecal_core.report.origin import origin
-from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.samples.zeros import ZeroFigures, zeros_json
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.workflows.evaluation import load_calibration_of
 
-SIMULATED_FROM = 0.7
-"""Share of the work after which the found effects are simulated."""
+READ_TO, SIMULATED_FROM = 0.1, 0.7
+"""Share of the work in which runs are read, and after which the found effects are simulated."""
 
 
 @dataclass(frozen=True)
@@ -127,18 +127,28 @@ def do(job: DiagnosisRequest, progress: Progress = no_progress) -> Diagnosed:
     calibration = None
     if job.calibration is not None:
         calibration = load_calibration_of(job.calibration, session)
+    train, test = split_runs(session, job.train, job.test)
+    data = load_data(
+        session,
+        (*train, *test),
+        job.screening,
+        weight_kg=job.weight_kg,
+        all_readable=False,
+        progress=lambda text, share: progress(text, READ_TO * share),
+    )
     found = diagnose(
         session,
-        job.train,
-        job.test,
+        train,
+        test,
         job.settings,
         job.tolerances,
-        weight_kg=job.weight_kg,
         rezero=job.rezero,
         without=job.without,
         only=job.wanted if job.only else None,
         effects=effects,
-        progress=lambda text, share: progress(text, SIMULATED_FROM * share),
+        data=data,
+        weight_known=job.weight_kg is not None,
+        progress=lambda text, share: progress(text, max(READ_TO, SIMULATED_FROM * share)),
     )
     if job.simulate and found.causes:
         # A physics engine, which most calls do not need.
@@ -147,27 +157,18 @@ def do(job: DiagnosisRequest, progress: Progress = no_progress) -> Diagnosed:
         )
 
         progress("simulating what was found", SIMULATED_FROM)
-        found = with_simulated_shrink(found, session)
-    problems: list[str] = []
-    data = load_data(
-        session,
-        (*found.train, *found.test),
-        job.screening,
-        weight_kg=job.weight_kg,
-        problems=problems,
-    )
-    found = replace(found, notes=(*found.notes, *_checked(data, problems)))
+        found = with_simulated_shrink(found, data, job.screening)
+    found = replace(found, notes=(*found.notes, *_checked(data)))
     if job.report is not None:
         # Matplotlib takes a second to load, which most calls need not wait for.
         from shoecal_core.report.diagnosis_report import write_diagnosis_report  # noqa: PLC0415
 
-        robot = load_robot(session.robot_yaml, session.shoe, weight_kg=job.weight_kg)
         provenance = (
             origin(session, (*found.train, *found.test)),
             f"Session folder {session.folder.name}.",
         )
         write_diagnosis_report(
-            found, job.report, robot=robot, shoe=session.shoe, provenance=provenance
+            found, job.report, robot=data.robot, shoe=data.shoe, provenance=provenance
         )
     calibrated = None if calibration is None else _calibrated(calibration, data, found.test)
     progress("done", 1.0)
@@ -193,12 +194,13 @@ def _library(own: Path | None) -> tuple[Effect, ...]:
     return EFFECTS if own is None else (*EFFECTS, *effects_from(own))
 
 
-def _checked(data: SessionData, problems: Sequence[str]) -> list[str]:
+def _checked(data: SessionData) -> list[str]:
     """What `check` finds in the runs: none of it is left out of a diagnosis, as it may be a cause.
 
     Without the samples that it leaves out, of which every session has some.
     """
     found = [one.reason for one in data.screening.findings if one.verdict != "PASS"]
+    problems = [reason for run, reason in data.problems.items() if run in data.runs]
     return [f"check: {reason}" for reason in (*problems, *found)]
 
 

@@ -25,7 +25,7 @@ from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.fit import fit_parameters
 from shoecal_core.estimation.initial_guess import initial_guess
 from shoecal_core.estimation.residuals import unpack
-from shoecal_core.estimation.session_data import load_data
+from shoecal_core.estimation.session_data import SessionData
 from shoecal_core.files import Fields
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import Session
@@ -81,10 +81,17 @@ class Difference:
     cop: float
 
 
-def with_simulated_shrink(diagnosis: Diagnosis, session: Session) -> Diagnosis:
+def with_simulated_shrink(
+    diagnosis: Diagnosis, data: SessionData, settings: CalibrationSettings
+) -> Diagnosis:
     """The same diagnosis, `simulated` filled in: of all causes together that can be simulated.
 
     Those that cannot are listed in the notes.
+
+    Args:
+        diagnosis: of the session.
+        data: of its runs.
+        settings: weights of the fit to recorded and replayed readings.
     """
     able = [cause for cause in diagnosis.causes if _can_be_simulated(cause)]
     notes = [
@@ -95,7 +102,7 @@ def with_simulated_shrink(diagnosis: Diagnosis, session: Session) -> Diagnosis:
     shrink = None
     if able:
         try:
-            shrink = _shrink(diagnosis, able, session)
+            shrink = _shrink(diagnosis, able, data, settings)
         except ShoecalError as error:
             notes.append(f"nothing was simulated: {error}")
     causes = tuple(
@@ -138,22 +145,25 @@ def replay_job(job: ReplayJob) -> Replayed:
     return replay(session.read(job.run), robot, shoe, drawn, job.begun)
 
 
-def _shrink(diagnosis: Diagnosis, causes: Sequence[Cause], session: Session) -> SimulatedShrink:
+def _shrink(
+    diagnosis: Diagnosis,
+    causes: Sequence[Cause],
+    data: SessionData,
+    settings: CalibrationSettings,
+) -> SimulatedShrink:
     """Of these causes together."""
     if not diagnosis.test:
         raise ShoecalError("there is no test run to compare with; name some with --test")
-    settings = CalibrationSettings()
-    data = load_data(session, diagnosis.train, settings)
     stances = [one for one in data.of(diagnosis.train) if one.hanging is None]
     law = _law(data.shoe, stances, settings)
     train = tuple(sorted({one.run for one in stances}))
-    recorded = {run: session.read(run) for run in (*train, *diagnosis.test)}
+    recorded = {run: data.runs[run] for run in (*train, *diagnosis.test)}
     # Time counts from the first run that was diagnosed: others may be damaged.
-    start = min(session.read(number).start_ns for number in (*diagnosis.train, *diagnosis.test))
+    start = min(data.runs[number].start_ns for number in (*diagnosis.train, *diagnosis.test))
     worlds = ((), tuple(item for cause in causes for item in items_of(cause)))
     found = _replay(
         [
-            ReplayJob(session.folder, number, 1e-9 * (run.start_ns - start), law, effects)
+            ReplayJob(data.session.folder, number, 1e-9 * (run.start_ns - start), law, effects)
             for effects in worlds
             for number, run in recorded.items()
         ]
@@ -164,7 +174,7 @@ def _shrink(diagnosis: Diagnosis, causes: Sequence[Cause], session: Session) -> 
         differences.append(
             _mean(
                 [
-                    _difference(one, recorded[one.run], session.shoe, own, law)
+                    _difference(one, recorded[one.run], data.shoe, own, law)
                     for one in replays
                     if one.run in diagnosis.test
                 ]

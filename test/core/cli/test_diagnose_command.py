@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -12,6 +13,10 @@ from core.cli.conftest import Run
 from shoecal_core.cli.diagnose_command import effect_at
 from shoecal_core.diagnosis.result import VERDICT_TEXTS
 from shoecal_core.error_sources.tolerances import Tolerances
+from shoecal_core.estimation import session_data
+from shoecal_core.recording.run import Run as RecordedRun
+from shoecal_core.recording.session import Session
+from shoecal_core.samples.aligned import Aligned, align
 from shoecal_core.settings import describe
 
 KEYS = {
@@ -35,6 +40,33 @@ def test_one_session(shoecal: Run, simulated: Path, calibrated: Path, tmp_path: 
     assert told["verdict"] in out
     assert "under calibration" in out
     assert report.read_text().startswith("<!DOCTYPE html>")
+
+
+def test_every_run_is_read_and_aligned_once(
+    shoecal: Run, simulated: Path, calibrated: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """For the answer, its notes, the calibration's gap and the simulation of what was found."""
+    read, aligned = [], []
+
+    def counted(run: RecordedRun, *rest: Any, **more: Any) -> Aligned:
+        aligned.append(run.info.run)
+        return align(run, *rest, **more)
+
+    def counting(session: Session, number: int) -> RecordedRun:
+        read.append(number)
+        return reading(session, number)
+
+    reading = Session.read
+    monkeypatch.setattr(session_data, "align", counted)
+    monkeypatch.setattr(Session, "read", counting)
+    code, _, error = shoecal(
+        "diagnose", simulated, "--train", "1,2", "--test", "3", "--calibration", calibrated,
+        "--only", "cell_position",
+    )  # fmt: skip
+    assert code == 0, error
+    assert read[:3] == aligned == [1, 2, 3]
+    # What is replayed in other processes is read there.
+    assert set(read) == {1, 2, 3}
 
 
 def test_many_sessions_one_of_which_fails(shoecal: Run, simulated: Path, tmp_path: Path) -> None:

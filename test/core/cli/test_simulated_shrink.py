@@ -12,9 +12,11 @@ import pytest
 from shoecal_core.diagnosis.result import Cause, Diagnosis, Gap, Shrink, Size
 from shoecal_core.error_sources.base import one_of
 from shoecal_core.errors import FileError
+from shoecal_core.estimation.session_data import load_data
 from shoecal_core.files import Fields
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.robot_file import load_robot
+from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.shoe.wrench import ChannelParameters
 from shoecal_core.simulation.effects.registry import EFFECTS, read_effect
 from shoecal_core.workflows.replayed import like_the_model, replay
@@ -79,6 +81,12 @@ def test_the_same_commands_give_about_the_same_readings(simulated: Path) -> None
         replay(replace(run, commanded=()), robot, session.shoe, drawn, 0.0)
 
 
+def shrunk(told: Diagnosis, session: Path) -> Diagnosis:
+    settings = CalibrationSettings()
+    data = load_data(Session.open(session), settings=settings, all_readable=False)
+    return with_simulated_shrink(told, data, settings)
+
+
 def test_of_all_causes_together(simulated: Path, tmp_path: Path) -> None:
     """A damaged run that was left out stops nothing."""
     damaged = tmp_path / "session"
@@ -88,7 +96,7 @@ def test_of_all_causes_together(simulated: Path, tmp_path: Path) -> None:
     late = cause("latency", ("all",), delay=(0.0, "s"))
     own = cause("my_own_effect", ("left",), strength=(1.0, "V"))
     told = replace(diagnosis(late, own), train=(2,))
-    found = with_simulated_shrink(told, Session.open(damaged))
+    found = shrunk(told, damaged)
     first, second = found.causes
     # Without size it changes nothing.
     assert first.simulated is not None, found.notes
@@ -100,13 +108,13 @@ def test_of_all_causes_together(simulated: Path, tmp_path: Path) -> None:
 
 def test_what_cannot_be_simulated_is_a_note(simulated: Path) -> None:
     heavy = cause("payload", ("nobody",), mass=(0.1, "kg"))
-    found = with_simulated_shrink(diagnosis(heavy), Session.open(simulated))
+    found = shrunk(diagnosis(heavy), simulated)
     assert found.causes[0].simulated is None
     assert any(note.startswith("nothing was simulated") for note in found.notes)
 
 
 def test_without_a_test_run_there_is_nothing_to_compare_with(simulated: Path) -> None:
     found = replace(diagnosis(cause("latency", ("left",), delay=(0.02, "s"))), test=())
-    found = with_simulated_shrink(found, Session.open(simulated))
+    found = shrunk(found, simulated)
     assert found.causes[0].simulated is None
     assert any("no test run" in note for note in found.notes)

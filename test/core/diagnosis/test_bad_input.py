@@ -14,19 +14,18 @@ from shoecal_core.diagnosis.baseline import first_parameters
 from shoecal_core.diagnosis.diagnose import diagnose
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.errors import ShoecalError
+from shoecal_core.estimation.session_data import load_data
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import ROBOT, SHOE, Session
 from shoecal_core.samples.samples import Samples
-from shoecal_core.samples.sampling import read_runs, samples_of
 
 SETTINGS = DiagnosisSettings()
 
 
 def changed_samples(session: Session, folder: Path, change: Change, runs: int = 3) -> Samples:
     numbers = range(1, runs + 1)
-    return samples_of(
-        read_runs(rewritten(session, folder / "s", numbers, change), numbers), SETTINGS
-    )
+    made = rewritten(session, folder / "s", numbers, change)
+    return load_data(made, numbers, all_readable=False).whole_samples(SETTINGS)
 
 
 def as_it_is(run: Run) -> Run:
@@ -87,7 +86,7 @@ def test_what_was_not_recorded_is_told(standard_session: Session, tmp_path: Path
 def test_other_rates(
     standard_session: Session, tmp_path: Path, rate: float, duration: float
 ) -> None:
-    usual = samples_of(read_runs(standard_session, (1, 2)), SETTINGS)
+    usual = load_data(standard_session, (1, 2)).whole_samples(SETTINGS)
     found = changed_samples(
         standard_session, tmp_path, lambda run: resampled(run, rate, duration), 2
     )

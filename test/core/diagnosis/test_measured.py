@@ -10,11 +10,12 @@ import pytest
 from numpy.typing import NDArray
 
 from core.diagnosis.test_six_axis import with_ankles
-from shoecal_core.diagnosis.measured import MeasuredBefore, at_zeros, measure, zeros_in
+from shoecal_core.diagnosis.measured import MeasuredBefore, at_zeros, measure
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.workspace import Workspace
+from shoecal_core.estimation.session_data import SessionData, load_data
+from shoecal_core.estimation.weight import weigh
 from shoecal_core.recording.session import Session
-from shoecal_core.samples.sampling import Read, read_runs, samples_of
 from shoecal_core.samples.zeros import Zero
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
@@ -35,29 +36,25 @@ def hanging(run: int, foot: int, law: ChannelParameters, output: float, shoe: Sh
 
 
 @pytest.fixture(scope="module")
-def read(standard_session: Session) -> Read:
-    return read_runs(standard_session, (*TRAIN, *TEST))
+def data(standard_session: Session) -> SessionData:
+    return load_data(standard_session, (*TRAIN, *TEST))
 
 
-def found(
-    session: Session, read: Read, workspace: Workspace, zeros: tuple[Zero, ...]
-) -> MeasuredBefore:
+def found(data: SessionData, workspace: Workspace, zeros: tuple[Zero, ...]) -> MeasuredBefore:
     return measure(
-        session, read, workspace.signal_model.samples, zeros, TRAIN,
+        data, workspace.signal_model.samples, zeros, TRAIN,
         workspace.signal_model.parameters, SETTINGS, weighs=True,
     )  # fmt: skip
 
 
-def test_a_zero_that_moved_in_one_run(
-    standard_session: Session, read: Read, workspace: Workspace
-) -> None:
-    law, shoe = workspace.signal_model.parameters, read.shoe
+def test_a_zero_that_moved_in_one_run(data: SessionData, workspace: Workspace) -> None:
+    law, shoe = workspace.signal_model.parameters, data.shoe
     zeros = tuple(
         hanging(run, foot, law, 1.0 + 0.4 * (foot == 1 and run == 7), shoe)
         for run in (*TRAIN, *TEST)
         for foot in (0, 1)
     )
-    told = found(standard_session, read, workspace, zeros)
+    told = found(data, workspace, zeros)
     (one,) = told.moved
     assert (one.run, one.foot) == (7, 1)
     assert one.offset == pytest.approx(0.4, abs=0.01)
@@ -69,23 +66,21 @@ def test_a_zero_that_moved_in_one_run(
     assert low < 0.4 < high
 
 
-def test_zeros_that_stay_are_no_cause(
-    standard_session: Session, read: Read, workspace: Workspace
-) -> None:
+def test_zeros_that_stay_are_no_cause(data: SessionData, workspace: Workspace) -> None:
     zeros = tuple(
-        hanging(run, 0, workspace.signal_model.parameters, 1.0 + 1e-3 * run, read.shoe)
+        hanging(run, 0, workspace.signal_model.parameters, 1.0 + 1e-3 * run, data.shoe)
         for run in TRAIN
     )
-    assert not found(standard_session, read, workspace, zeros)
+    assert not found(data, workspace, zeros)
     # Nor is one that has none to be compared with.
-    assert not found(standard_session, read, workspace, zeros[:1])
+    assert not found(data, workspace, zeros[:1])
 
 
-def test_readings_as_if_zeros_had_stayed(workspace: Workspace, read: Read) -> None:
+def test_readings_as_if_zeros_had_stayed(workspace: Workspace, data: SessionData) -> None:
     samples, law = workspace.signal_model.samples, workspace.signal_model.parameters
-    zeros = [hanging(run, 0, law, 0.4 * (run == 7), read.shoe) for run in (*TRAIN, *TEST)]
+    zeros = [hanging(run, 0, law, 0.4 * (run == 7), data.shoe) for run in (*TRAIN, *TEST)]
     moved = law.outputs(at_zeros(samples, zeros, TRAIN).readings) - law.outputs(samples.readings)
-    left = read.shoe.foot == 0
+    left = data.shoe.foot == 0
     np.testing.assert_allclose(moved[samples.run == 7][:, left], -0.4, atol=5e-3)
     np.testing.assert_allclose(moved[samples.run != 7][:, left], 0.0, atol=5e-3)
     assert not moved[:, ~left].any()
@@ -97,19 +92,19 @@ def test_data_sheets_tell_another_weight(
 ) -> None:
     """Sensors that show a twentieth more than they feel, by their data sheets."""
     session = with_ankles(standard_session, tmp_path)
-    read = read_runs(session, (*TRAIN, *TEST))
+    data = load_data(session, (*TRAIN, *TEST))
     channels = tuple(
-        replace(one, nominal_gain=sheet * (one.nominal_gain or 0.0)) for one in read.shoe.channels
+        replace(one, nominal_gain=sheet * (one.nominal_gain or 0.0)) for one in data.shoe.channels
     )
-    read = replace(read, shoe=replace(read.shoe, channels=channels))
-    samples = samples_of(read, SETTINGS)
+    shoe = replace(data.shoe, channels=channels)
+    samples = replace(data, shoe=shoe).whole_samples(SETTINGS)
     count = len(channels)
     law = ChannelParameters(np.full(count, sheet), np.zeros(count))
-    below = [plate.mass_below * 9.81 for plate in read.shoe.plates]
-    zeros = tuple(
-        hanging(run, foot, law, -below[foot], read.shoe) for run in TRAIN for foot in (0, 1)
-    )
-    told = measure(session, read, samples, zeros, TRAIN, law, SETTINGS, weighs=weighs)
+    below = [plate.mass_below * 9.81 for plate in shoe.plates]
+    zeros = tuple(hanging(run, foot, law, -below[foot], shoe) for run in TRAIN for foot in (0, 1))
+    readings = {number: one.readings for number, one in data.recorded.items()}
+    data = replace(data, shoe=shoe, weighed=weigh(shoe, readings, zeros))
+    told = measure(data, samples, zeros, TRAIN, law, SETTINGS, weighs=weighs)
     assert bool(told) == (weighs and sheet > 1.0)
     if told:
         assert told.heavier is not None
@@ -119,7 +114,7 @@ def test_data_sheets_tell_another_weight(
         np.testing.assert_array_equal(heavier.cop, samples.cop)
 
 
-def test_feet_in_the_air_show_their_zeros(read: Read) -> None:
-    lifted = {run.info.run for run, _ in read.runs if run.info.motion.startswith("unload_")}
+def test_feet_in_the_air_show_their_zeros(data: SessionData) -> None:
+    lifted = {run for run, one in data.runs.items() if one.info.motion.startswith("unload_")}
     assert lifted
-    assert {zero.run for zero in zeros_in(read)} == lifted
+    assert {zero.run for zero in data.zeros} == lifted

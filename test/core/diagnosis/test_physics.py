@@ -20,8 +20,8 @@ from shoecal_core.diagnosis.workspace import make_workspace
 from shoecal_core.error_sources.effects.known import EFFECTS
 from shoecal_core.error_sources.signal_model import make_signal_model
 from shoecal_core.error_sources.tolerances import Tolerances
+from shoecal_core.estimation.session_data import load_data
 from shoecal_core.recording.session import Session
-from shoecal_core.samples.sampling import read_runs, samples_of
 
 WORLDS = {
     "feet": """
@@ -82,7 +82,7 @@ def test_sizes_are_those_of_the_physics(world: str, tmp_path: Path) -> None:
 
 def fitted(folder: Path, labels: tuple[str, ...]) -> Mapping[str, Mapping[str, Size]]:
     """Sizes of all that is there, fitted together."""
-    samples = samples_of(read_runs(Session.open(folder), RUNS), SETTINGS)
+    samples = load_data(Session.open(folder), RUNS).whole_samples(SETTINGS)
     signal_model = make_signal_model(samples, first_parameters(samples, RUNS), SETTINGS)
     wanted = {label.split(" ")[0] for label in labels}
     effects = [effect for effect in EFFECTS if effect.identifier in wanted]

@@ -9,12 +9,12 @@ import numpy as np
 
 from core.diagnosis.rewritten import resampled, rewritten
 from shoecal_core.diagnosis.settings import DiagnosisSettings
+from shoecal_core.estimation.session_data import load_data
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.samples.known_weight import KNOWN_MASS, WEIGHTED
-from shoecal_core.samples.sampling import read_runs, samples_of
 
 
 def weighted_second(run: Run) -> Run:
@@ -26,7 +26,7 @@ def weighted_second(run: Run) -> Run:
 
 def test_the_weight_counts_in_its_run_alone(standard_session: Session, tmp_path: Path) -> None:
     session = rewritten(standard_session, tmp_path / "session", (1, 2), weighted_second)
-    samples = samples_of(read_runs(session, (1, 2)), DiagnosisSettings())
+    samples = load_data(session, (1, 2)).whole_samples(DiagnosisSettings())
     robot, loaded = samples.robot, samples.run == 2
     np.testing.assert_allclose(samples.force[~loaded], robot.weight)
     np.testing.assert_allclose(samples.force[loaded], robot.weight + KNOWN_MASS * GRAVITY)

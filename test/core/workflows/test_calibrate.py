@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from shoecal_core.estimation.assessment import assess
 from shoecal_core.estimation.fit import self_calibrate
 from shoecal_core.estimation.series import errors, measured_series, modelled_series
 from shoecal_core.estimation.session_data import SessionData
+from shoecal_core.recording.session import Session
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.screening.verdict import Finding, Verdict
@@ -31,11 +33,12 @@ def verdict(supports: Sequence[DoubleSupport], findings: Sequence[Finding] = ())
     runs = synthetic.stances(shoe, truth, rng, supports, count=1200, weight=robot.weight)
     stages = self_calibrate(shoe, runs, SETTINGS)
     data = SessionData(
+        session=Session(Path("none"), "nao", "nao_shoe", None, []),
         robot=robot,
         shoe=shoe,
         stances={run.run: (run,) for run in runs},
-        samples=None,
         runs={},
+        recorded={},
         aligned={},
     )
     pairs = [(measured_series(stages.sensing, run), modelled_series(run)) for run in runs]
