@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.hidden import hidden_cop
 from shoecal_core.diagnosis.hypotheses import Form
-from shoecal_core.diagnosis.prediction import log_predictive, within_tolerance
 from shoecal_core.diagnosis.result import Candidate, Cause, Verdict
 from shoecal_core.diagnosis.scoring import Scored
 from shoecal_core.diagnosis.selection import (
@@ -33,6 +32,12 @@ EXPLAINED_FROM = 0.6
 """Part of the excess that must go on runs left out for a gap to count as explained."""
 LIKELY = 0.5
 """Probability from which something is more likely there than not."""
+TAKEN_FROM = 1.0 / 3.0
+"""Part of what GRF or CoP are off on runs left out that must go with a cause: one that takes less,
+however surely, leaves the gap unexplained."""
+CLAIMED = 0.5
+"""Part of what a cause adds to CoP and GRF on runs left out by which their gap is smaller with it:
+2 / s - 1 where it is s times its true size there, negative where it has nothing to do with it."""
 SURELY = 3.0
 """Excess on runs left out from which something is wrong, whatever the others showed: errors twice
 as large as expected."""
@@ -98,7 +103,8 @@ def borne_out(
     if chosen is None:
         return found, ()
     found = replace(
-        found, predicted=tuple(_predicted(workspace, found, at) for at in range(len(chosen.parts)))
+        found,
+        predicted=tuple(_predicted(workspace, found, at) for at in range(len(chosen.parts))),
     )
     for index, (hypothesis, form) in reversed(list(enumerate(chosen.parts))):
         probable = sum(one.probability for one in probabilities(found, index))
@@ -107,8 +113,10 @@ def borne_out(
             why = f"with {1.0 - probable:.0%} it is an error that any robot may be built with"
         if _judged_by_others(workspace, form):
             each = taken(workspace, chosen, index, workspace.test, (GRF, COP))
-            confirmed = any(min(there, shown) > 0.0 for there, shown, _ in each)
-            if not confirmed or found.predicted[index] < needed(settings):
+            ((_, gone, added),) = taken(workspace, chosen, index, workspace.test)
+            shrinks = any(less >= TAKEN_FROM * there > 0.0 for there, less, _ in each)
+            shrinks = shrinks and gone >= CLAIMED * added
+            if not shrinks or found.predicted[index] < needed(settings):
                 why = "explains training runs, but test runs do not confirm it"
                 # Not that, but something: a robot as built is as improbable as before.
                 if any(there > 0.0 for there, _, _ in each):
@@ -132,9 +140,7 @@ def _predicted(workspace: Workspace, found: Selection, index: int) -> float:
         return 0.0
     left, scorer = fit_without(workspace, found.chosen, index), workspace.scorer
     others = (left,) if left is not None else (scorer.nothing, scorer.other)
-    chosen, *least = (
-        log_predictive(workspace.withheld, within_tolerance(one)) for one in (found.chosen, *others)
-    )
+    chosen, *least = (workspace.predicted(one, bounded=True) for one in (found.chosen, *others))
     return chosen - max(least)
 
 
@@ -158,8 +164,8 @@ def probabilities(found: Selection, index: int) -> tuple[Candidate, ...]:
     best = max((log for _, log in alternatives), default=0.0)
     together = _named_evidence(found.chosen) if found.chosen is not None else 0.0
     counts = temper(max(best, together))
-    predicted = found.predicted[index] if found.predicted else 0.0
-    each = shares([*(counts * log for _, log in alternatives), -counts * predicted])
+    against = found.predicted[index] if found.predicted else 0.0
+    each = shares([*(counts * log for _, log in alternatives), -counts * against])
     return tuple(
         Candidate(hypothesis.effect.identifier, hypothesis.place, float(share))
         for (hypothesis, _), share in zip(alternatives, each, strict=False)

@@ -16,7 +16,7 @@ from shoecal_core.diagnosis.next_motion import propose
 from shoecal_core.diagnosis.preflight import preflight
 from shoecal_core.diagnosis.result import Diagnosis
 from shoecal_core.diagnosis.rewiring import rewired
-from shoecal_core.diagnosis.selection import Selection, asked_for, select
+from shoecal_core.diagnosis.selection import Selection, asked_for, judged, over_all_runs, select
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.shaking import shaking
 from shoecal_core.diagnosis.shrink import gap, shrink
@@ -35,6 +35,8 @@ from shoecal_core.recording.session import Session
 from shoecal_core.recording.train_test import split_runs
 from shoecal_core.screening.settings import CalibrationSettings
 
+TRIES = 3
+"""Explanations that are held against runs left out: who is refuted so often has none."""
 SHOWN = 20
 """Hypotheses that a ranking lists."""
 
@@ -180,12 +182,37 @@ def _found(
 ) -> tuple[Selection, Selection, tuple[str, ...]]:
     """What is shown, what of it is named, and in words what is not."""
     if not asked:
-        named, denied = borne_out(best, select(best, settings), settings)
+        named, denied = _borne_out(best, settings)
         return named, named, denied
     shown = asked_for(best)
     named, denied = borne_out(best, shown, settings)
     # What was not needed is no evidence that anything is there.
     return shown, replace(named, other=shown.other), denied
+
+
+def _borne_out(
+    workspace: Workspace, settings: DiagnosisSettings
+) -> tuple[Selection, tuple[str, ...]]:
+    """The most probable explanation that runs left out bear out; and in words which they do not.
+
+    Where they bear out none, the ranking is that of all hypotheses.
+    """
+    singles = over_all_runs(workspace, judged(workspace, None))
+    first: Selection | None = None
+    denied: dict[str, None] = {}
+    for _ in range(TRIES):
+        found = select(workspace, settings, singles)
+        named, reasons = borne_out(workspace, found, settings)
+        denied |= dict.fromkeys(reasons)
+        if named.chosen is not None:
+            return named, tuple(denied)
+        first = first or named
+        if found.chosen is None:
+            break
+        refuted = [hypothesis for hypothesis, _ in found.chosen.parts]
+        singles = [one for one in singles if not any(one.part[0] is each for each in refuted)]
+    assert first is not None
+    return first, tuple(denied)
 
 
 def _halted(workspace: Workspace, wanted: Callable[[str, Place], bool]) -> Stopped | None:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.rows import Rows
-from shoecal_core.diagnosis.scoring import COUNTS, Scored, most_probable
+from shoecal_core.diagnosis.scoring import COUNTS, SETTLED, Scored, log_likelihood, most_probable
 from shoecal_core.error_sources.posterior import Posterior
 from shoecal_core.error_sources.signals import SIGNALS
 from shoecal_core.error_sources.spectrum import BANDS
@@ -46,8 +46,7 @@ def log_predictive(rows: Rows, scored: Scored) -> float:
         Up to a constant that is the same for all fits.
     """
     whole = np.column_stack((rows.base, rows.columns[:, list(scored.columns)]))
-    values, vectors = np.linalg.eigh(scored.covariance)
-    base = whole @ (vectors * np.sqrt(np.maximum(values, 0.0)))
+    base = whole @ scored.scorer.root(scored)
     residuals = rows.residuals - whole @ scored.vector
     expected = _expected(rows, scored)
     variance, log = expected, 0.0
@@ -56,8 +55,11 @@ def log_predictive(rows: Rows, scored: Scored) -> float:
         posterior = Posterior(base.T @ (weight * base), np.ones(base.shape[1]))
         moved = posterior.solve(base.T @ (weight[:, 0] * residuals))
         power = rows.squares(residuals - base @ moved)
-        variance, likely = most_probable(power, expected, rows.count, rows.most)
-        log = float(likely.sum() - 0.5 * moved @ moved) - posterior.half_log_volume
+        variance = most_probable(power, expected, rows.count, rows.most)
+        likely = log_likelihood(variance, power, expected, rows.count)
+        before, log = log, float(likely.sum() - 0.5 * moved @ moved) - posterior.half_log_volume
+        if abs(log - before) < SETTLED:
+            break
     return log
 
 

@@ -113,23 +113,6 @@ class Rows:
         return found
 
     @cached_property
-    def _normals(self) -> FloatArray:
-        """(G, p (p + 1) / 2) lower triangles of the baseline's normal matrix, by group."""
-        inside = np.tril_indices(self.base.shape[1])
-        found = np.empty((len(self.number), len(inside[0])))
-        for group in range(len(found)):
-            own = self.base[self.group == group]
-            found[group] = (own.T @ own)[inside]
-        return found
-
-    def normal(self, weight: FloatArray) -> FloatArray:
-        """(p, p) normal matrix of the baseline under weights (G,), its lower triangle alone."""
-        count = self.base.shape[1]
-        found = np.zeros((count, count))
-        found[np.tril_indices(count)] = weight @ self._normals
-        return found
-
-    @cached_property
     def _gains(self) -> tuple[tuple[IntArray, FloatArray, FloatArray], ...]:
         """Of each signal that is measured: its groups, values and columns."""
         found = []
@@ -139,15 +122,11 @@ class Rows:
             found.append((groups, self.measured[here], self.base[here]))
         return tuple(found)
 
-    def scales(self, vector: FloatArray, channels: int) -> FloatArray:
-        """(G,) of what is measured, under gains and offsets that a fit moves (2 n first columns).
-
-        Args:
-            vector: (p,) of the baseline. channels: n.
-        """
+    def scales(self, moved: FloatArray) -> FloatArray:
+        """(G,) of what is measured, under gains and offsets (2 n,) that a fit moves."""
         found = np.ones(len(self.number))
         for groups, measured, base in self._gains:
-            now = measured - base[:, : 2 * channels] @ vector[: 2 * channels]
+            now = measured - base[:, : len(moved)] @ moved
             scale = float(measured @ now) / float(measured @ measured)
             found[groups] = np.clip(scale, LEAST_SCALE, MOST_SCALE)
         return found

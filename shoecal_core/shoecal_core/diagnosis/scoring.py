@@ -31,6 +31,7 @@ from functools import cache, cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.diagnosis.basis import make_basis
 from shoecal_core.diagnosis.hypotheses import Form, Hypothesis
 from shoecal_core.diagnosis.rows import Rows
 from shoecal_core.error_sources.posterior import Posterior
@@ -60,7 +61,10 @@ ELSE_LEVELS = (2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
 """The same where something else is there."""
 ELSE_COST = 1.0
 """Logarithm of probability that something else costs in each signal that it is in."""
-ROUNDS, NEXT_ROUNDS = 8, 3
+ROUNDS, NEXT_ROUNDS = 8, 4
+"""Steps of a fit from anywhere, and of one that begins where a like one ended."""
+SETTLED = 0.05
+"""Logarithm of evidence by which a fit that has settled still changes."""
 LEAST_SHARE = 0.02
 
 
@@ -133,7 +137,9 @@ class Scored:
     @cached_property
     def covariance(self) -> FloatArray:
         """(p + k, p + k) of the vector."""
-        return self.scorer.covariance(self)
+        root = self.scorer.root(self)
+        covariance: FloatArray = root @ root.T
+        return covariance
 
     def own(self, index: int) -> slice:
         """Where the components of a part stand among all parts', counted from the end."""
@@ -164,7 +170,9 @@ class _Weighted:
 
 @dataclass(frozen=True)
 class _Spread:
-    """Of each group (G,): see `Scored`."""
+    """Of each group (G,): see `Scored`; `variance` is the most probable one, all else is of another
+    that was given.
+    """
 
     variance: FloatArray
     expected: FloatArray
@@ -182,6 +190,7 @@ class Scorer:
 
     def __init__(self, rows: Rows, channels: int) -> None:
         self.rows, self.channels = rows, channels
+        self.basis = make_basis(rows, 2 * channels)
         found = self._nothing(other=False)
         self._as_built = found.evidence
         self.nothing = replace(found, evidence=0.0)
@@ -227,8 +236,8 @@ class Scorer:
         """The baseline under variances (G,), with as-built errors at levels (F,)."""
         rows = self.rows
         each = COUNTS / variance
-        posterior = Posterior(rows.normal(each), rows.prior(levels))
-        return _Weighted(np.sqrt(each)[rows.group], rows.base, posterior)
+        posterior = Posterior(self.basis.normal(each), self.basis.prior(levels))
+        return _Weighted(np.sqrt(each)[rows.group], self.basis.columns, posterior)
 
     def _fit(
         self,
@@ -238,25 +247,25 @@ class Scorer:
         *,
         other: bool,
     ) -> Scored:
-        """Fit, find the variances, fit again; levels follow from what was found.
+        """Fit at some variances and levels, take those that are most probable then, fit again.
+
+        The two steps need not climb together, and may turn in circles: the best fit is kept, with
+        its own evidence. So what contains another explanation, and starts from it, is no worse.
 
         Args:
             start: a fit to start with, or variances (G,) and levels (F,).
         """
-        rows = self.rows
+        rows, basis, own_count = self.rows, self.basis, 2 * self.channels
         chosen = [column for _, form in parts for column in form.columns]
         std = np.concatenate([np.zeros(0), *(form.std for _, form in parts)])
         count = len(chosen)
         columns = rows.columns[:, chosen]
         if isinstance(start, Scored):
-            levels, weighted = start.levels, start.weighted
+            variance, levels, weighted = start.variance, start.levels, start.weighted
         else:
-            levels, weighted = start[1], self.weighted(*start)
-        found: Scored | None = None
+            (variance, levels), weighted = start, self.weighted(*start)
+        best: Scored | None = None
         for _ in range(rounds):
-            if found is not None:
-                levels = self._levels(weighted, found.vector)
-                weighted = self.weighted(found.variance, levels)
             values = np.column_stack((columns, rows.residuals)) * weighted.weight[:, None]
             across, left = weighted.eliminate(values)
             inner = Posterior(left[:count, :count], std**-2.0)
@@ -264,22 +273,32 @@ class Scorer:
             absorbed = weighted.posterior.unwhiten(across[:, :count] @ sizes)
             vector = weighted.posterior.unwhiten(across[:, count]) - absorbed
             added = columns @ sizes
-            rest = rows.residuals - rows.base @ vector - added
-            own = rows.squares(added - rows.base @ absorbed) / rows.count
-            power = rows.squares(rest) / rows.scales(vector + rows.away, self.channels) ** 2
-            spread = self._spread(power, rows.smooth + FORM**2 * own, other=other)
+            rest = rows.residuals - basis.columns @ vector - added
+            own = rows.squares(added - basis.columns @ absorbed) / rows.count
+            moved = vector[:own_count] + rows.away[:own_count]
+            power = rows.squares(rest) / rows.scales(moved) ** 2
+            spread = self._spread(power, rows.smooth + FORM**2 * own, variance, other=other)
             prior = 0.5 * float((vector**2 * weighted.posterior.precision).sum())
             prior += 0.5 * float(((sizes / std) ** 2).sum())
             volume = weighted.posterior.half_log_volume + inner.half_log_volume
             likely = float(spread.log_likelihood.sum())
             found = Scored(
                 self, tuple(parts), np.concatenate((vector, sizes)),
-                likely - prior - volume - _level_cost(levels), levels, spread.variance,
+                likely - prior - volume - _level_cost(levels), levels, variance,
                 spread.expected, spread.form_level, spread.model_level, rest, other,
                 spread.log_likelihood,
             )  # fmt: skip
-        assert found is not None
-        return replace(found, vector=self._whole(chosen) @ found.vector)
+            gain = np.inf if best is None else found.evidence - best.evidence
+            if gain > 0.0:
+                best = found
+            if abs(gain) < SETTLED:
+                break
+            levels = self._levels(weighted, vector)
+            variance = spread.variance
+            weighted = self.weighted(variance, levels)
+        assert best is not None
+        vector = np.concatenate((basis.whole(best.vector), best.sizes))
+        return replace(best, vector=self._whole(chosen) @ vector)
 
     def _whole(self, chosen: Sequence[int]) -> FloatArray:
         """(p + k, p + k) that takes errors as built for a part of the effects that they are."""
@@ -290,7 +309,9 @@ class Scorer:
                 found[at, same], found[same, same] = 1.0, 0.0
         return found
 
-    def _spread(self, power: FloatArray, lacking: FloatArray, *, other: bool) -> _Spread:
+    def _spread(
+        self, power: FloatArray, lacking: FloatArray, variance: FloatArray, *, other: bool
+    ) -> _Spread:
         """What each group most probably has, for sums of squares (G,).
 
         Of every signal forms are as far off as they usually are or less, and the model lacks as
@@ -299,30 +320,30 @@ class Scorer:
 
         Args:
             lacking: (G,) variance that the model usually lacks.
+            variance: (G,) of which the likelihood is wanted.
             other: whether something else is there.
         """
         rows = self.rows
         found = _Spread(*(np.empty_like(power) for _ in range(5)))
         for signal in np.unique(rows.signal):
             here = rows.signal == signal
+            squares, count, most = power[here], rows.count[here], rows.most[here]
             models = MODEL_LEVELS if signal in BODILESS else MODEL_LEVELS[:1]
             form, model = _grid(models, ELSE_LEVELS if other else ())
             usual = np.minimum(model, 1.0)
             expected = rows.noise[here] + form**2 * rows.form[here] + usual**2 * lacking[here]
             more = np.where(model > 1.0, model, 0.0)
-            variance, likely = most_probable(
-                power[here],
-                expected + more**2 * rows.smooth[here],
-                rows.count[here],
-                rows.most[here],
-            )
+            middle = expected + more**2 * rows.smooth[here]
             cost = np.where(model > 1.0, ELSE_COST, 0.5 * np.log(usual) ** 2)
-            cost = cost + 0.5 * np.log(form) ** 2
-            likely = likely - cost / np.count_nonzero(here)
-            best = int(np.argmax(likely.sum(axis=1)))
-            found.variance[here], found.expected[here] = variance[best], expected[best]
+            cost = (cost + 0.5 * np.log(form) ** 2)[:, 0]
+            free = most_probable(squares, middle, count, most)
+            best = int(np.argmax(log_likelihood(free, squares, middle, count).sum(axis=1) - cost))
+            found.variance[here] = free[best]
+            likely = log_likelihood(variance[here], squares, middle, count)
+            best = int(np.argmax(likely.sum(axis=1) - cost))
+            found.expected[here] = expected[best]
             found.form_level[here], found.model_level[here] = form[best], usual[best]
-            found.log_likelihood[here] = likely[best]
+            found.log_likelihood[here] = likely[best] - cost[best] / np.count_nonzero(here)
         return found
 
     def _levels(self, weighted: _Weighted, vector: FloatArray) -> FloatArray:
@@ -330,27 +351,27 @@ class Scorer:
 
         The fixed point of MacKay (Neural Computation 4:415, 1992).
         """
-        rows = self.rows
+        rows, basis = self.rows, self.basis
         posterior = weighted.posterior
         determined = 1.0 - posterior.variance * posterior.precision
-        size = vector[: len(determined)] ** 2 * rows.precision
+        size = vector**2 * basis.precision
         found = np.empty(len(rows.most_level))
         for family, most in enumerate(rows.most_level):
-            own = rows.family == family
+            own = basis.family == family
             total = size[own].sum() + LEVEL_FREEDOM * LEVEL**2
             level = math.sqrt(total / (determined[own].sum() + LEVEL_FREEDOM))
             found[family] = min(max(level, LEAST_LEVEL), most)
         return found
 
-    def covariance(self, scored: Scored) -> FloatArray:
-        """(p + k, p + k) of a fit's vector, at its variances and levels."""
+    def root(self, scored: Scored) -> FloatArray:
+        """(p + k, p + k) square root of the covariance of a fit's vector."""
         rows = self.rows
         weight = np.sqrt(COUNTS / scored.variance)[rows.group]
         whole = np.column_stack((rows.base, rows.columns[:, list(scored.columns)]))
         whole *= weight[:, None]
         precision = np.concatenate((rows.prior(scored.levels), scored.std**-2.0))
         turned = self._whole(scored.columns)
-        found: FloatArray = turned @ Posterior(whole.T @ whole, precision).covariance @ turned.T
+        found: FloatArray = turned @ Posterior(whole.T @ whole, precision).root
         return found
 
     def gains(
@@ -420,17 +441,23 @@ def _grid(models: Sequence[float], others: Sequence[float]) -> tuple[FloatArray,
 
 def most_probable(
     power: FloatArray, expected: FloatArray, count: FloatArray, most: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """(..., G) variances that groups most probably have, and their log likelihoods.
+) -> FloatArray:
+    """(..., G) variances that groups most probably have.
 
     Args:
         power: (G,) sums of squares. expected: (..., G) variance. count: (G,) rows.
         most: (G,) by which the variance may be more.
     """
-    count, power = COUNTS * count, COUNTS * power
-    free = (FREEDOM * expected + power) / (FREEDOM + count)
-    variance = np.clip(free, expected, expected + most)
+    free = (FREEDOM * expected + COUNTS * power) / (FREEDOM + COUNTS * count)
+    found: FloatArray = np.clip(free, expected, expected + most)
+    return found
+
+
+def log_likelihood(
+    variance: FloatArray, power: FloatArray, expected: FloatArray, count: FloatArray
+) -> FloatArray:
+    """(..., G) of groups at some variances, whose prior is included; see `most_probable`."""
     ratio = variance / expected
-    likely = -0.5 * count * np.log(variance) - 0.5 * power / variance
-    likely -= 0.5 * FREEDOM * (np.log(ratio) + 1.0 / ratio - 1.0)
-    return variance, likely
+    likely = -0.5 * COUNTS * (count * np.log(variance) + power / variance)
+    found: FloatArray = likely - 0.5 * FREEDOM * (np.log(ratio) + 1.0 / ratio - 1.0)
+    return found

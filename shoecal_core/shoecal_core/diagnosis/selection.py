@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.hypotheses import Hypothesis
-from shoecal_core.diagnosis.rows import Rows
-from shoecal_core.diagnosis.scoring import COUNTS, Part, Scored, Scorer
+from shoecal_core.diagnosis.scoring import Part, Scored, Scorer
 from shoecal_core.diagnosis.settings import ARM_M, DiagnosisSettings
 from shoecal_core.diagnosis.shrink import FORCE_AND_PLACE, excess, squares
 from shoecal_core.diagnosis.tempering import needed
@@ -28,10 +27,10 @@ LOG_ELSE = math.log(0.05)
 """Of the probability, beforehand, that something is there which the library has not."""
 LOOKED_AT, PLACES_EACH = 14, 5
 """Hypotheses that are fitted in full, and of one effect at most."""
+TESTED = 6
+"""Of the most probable ones by the runs that were fitted, on runs left out."""
 LEAST_GAIN = -1.0
 """Log evidence at a quick look below which an effect is not fitted in full for its own sake."""
-TAKEN_FROM = 1.0 / 3.0
-"""Part of the gap, and of what a cause adds, that must go with it."""
 
 
 @dataclass(frozen=True)
@@ -43,11 +42,19 @@ class Judged:
         log: logarithm of its probability against the company alone, its prior included.
         before: that company; without any a robot as built or something else, whichever is the more
             probable.
+        predicted: logarithm of the probability of the runs left out with it, against without it;
+            zero as long as they have not been looked at, and for what happened in one run.
     """
 
     scored: Scored
     log: float
     before: Scored
+    predicted: float = 0.0
+
+    @property
+    def total(self) -> float:
+        """Logarithm of its probability by all runs: those that were fitted, and those left out."""
+        return self.log + self.predicted
 
     @property
     def part(self) -> Part:
@@ -83,9 +90,17 @@ class Selection:
         return scorer.other if self.other >= needed(settings) else scorer.nothing
 
 
-def select(workspace: Workspace, settings: DiagnosisSettings) -> Selection:
-    """Forward, one at a time; then what the others make superfluous goes."""
-    singles = judged(workspace, None)
+def select(
+    workspace: Workspace, settings: DiagnosisSettings, singles: Sequence[Judged] | None = None
+) -> Selection:
+    """Forward, one at a time; then what the others make superfluous goes.
+
+    Args:
+        workspace: all hypotheses.
+        settings: of the diagnosis.
+        singles: those that may come first, judged by themselves; None: all.
+    """
+    singles = over_all_runs(workspace, judged(workspace, None)) if singles is None else singles
     chosen: Scored | None = None
     ranked = singles
     while chosen is None or len(chosen.parts) < settings.causes_max:
@@ -111,46 +126,17 @@ def select(workspace: Workspace, settings: DiagnosisSettings) -> Selection:
 def _first(
     workspace: Workspace, ranked: Sequence[Judged], settings: DiagnosisSettings
 ) -> int | None:
-    """Place of the most probable hypothesis that is evident, matters, and explains the gap.
+    """Place of the most probable hypothesis that is evident and matters.
 
     Of several that nearly look alike none is evident by itself, but all together are.
     """
-    together = np.logaddexp.reduce([-np.inf, *(one.log for one in ranked)])
+    together = np.logaddexp.reduce([-np.inf, *(one.total for one in ranked)])
     for at, one in enumerate(ranked):
-        if together < needed(settings) or one.log <= 0.0:
+        if together < needed(settings) or one.total <= 0.0:
             return None
-        if explains(workspace, one) and material(workspace, one.scored, settings):
+        if material(workspace, one.scored, settings):
             return at
     return None
-
-
-def explains(workspace: Workspace, one: Judged) -> bool:
-    """Whether a good part of what is off goes with it, in CoP and GRF or in all signals.
-
-    In all signals, errors as built that are larger than usual are off as well. Of what happened in
-    one run, CoP and GRF of that run count.
-    """
-    after, before = one.scored, one.before
-    rows = after.scorer.rows
-    over, left = (
-        rows.squares(each.rest) / before.expected - rows.count for each in (before, after)
-    )
-    stretched, relaxed = (_stretch(rows, each.vector, before.levels) for each in (before, after))
-    whole = COUNTS * over.sum() + stretched
-    if whole - COUNTS * left.sum() - relaxed >= TAKEN_FROM * whole:
-        return True
-    run = one.part[1].shape.run
-    if run is not None:
-        ((there, shown, added),) = taken(workspace, after, len(after.parts) - 1, (run,))
-        return shown >= TAKEN_FROM * max(added, there)
-    here = np.isin(rows.signal, np.r_[GRF, COP])
-    return bool((over - left)[here].sum() >= TAKEN_FROM * over[here].sum())
-
-
-def _stretch(rows: Rows, vector: FloatArray, levels: FloatArray) -> float:
-    """Sum of squares of errors as built, over what they usually are at some levels."""
-    built = rows.built
-    return float((vector[: len(built)][built] ** 2 * rows.prior(levels)[built]).sum())
 
 
 def without(workspace: Workspace, found: Selection, index: int) -> Selection:
@@ -249,6 +235,24 @@ def judged(
     return found
 
 
+def over_all_runs(workspace: Workspace, singles: Sequence[Judged]) -> list[Judged]:
+    """The same, by how probable runs left out are with each as well: the most probable first.
+
+    Errors as built are as large there as the fit has them, with a cause and without: by the chain
+    rule this is the evidence of all runs.
+    """
+    scorer, found = workspace.scorer, list(singles)
+    if workspace.test:
+        least = max(
+            workspace.predicted(one, bounded=False) for one in (scorer.nothing, scorer.other)
+        )
+        for at, one in enumerate(found[:TESTED]):
+            if one.part[1].shape.run is None:
+                log = workspace.predicted(one.scored, bounded=False)
+                found[at] = replace(one, predicted=log - least)
+    return sorted(found, key=lambda one: one.total, reverse=True)
+
+
 def value(scored: Scored) -> float:
     """Evidence, and what something else costs beforehand where it is there as well."""
     return scored.evidence + (LOG_ELSE if scored.other else 0.0)
@@ -306,7 +310,11 @@ def _alternatives(
     workspace: Workspace, chosen: Scored | None, singles: Sequence[Judged]
 ) -> tuple[tuple[tuple[Hypothesis, float], ...], ...]:
     if chosen is None or len(chosen.parts) < 2:
-        return (tuple((one.part[0], one.log) for one in singles),) if singles else ()
+        if not singles:
+            return ()
+        # By the fitted runs, were those left out to say of all what they say of the first.
+        of_first = singles[0].predicted if chosen is not None else 0.0
+        return (tuple((one.part[0], one.total - of_first) for one in singles),)
     found = []
     for index in range(len(chosen.parts)):
         rivals = judged(workspace, fit_without(workspace, chosen, index))

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.baseline import coarse_noise, fit_baseline
 from shoecal_core.diagnosis.hypotheses import Catalogue, make_catalogue
+from shoecal_core.diagnosis.prediction import log_predictive, within_tolerance
 from shoecal_core.diagnosis.rows import Rows, make_rows
 from shoecal_core.diagnosis.scoring import Scored, Scorer
 from shoecal_core.diagnosis.settings import DiagnosisSettings
@@ -91,6 +92,24 @@ class Workspace:
         rows = self.rows_of(self.train)
         base = self.whitening(signal_model.baseline[kept])[:, rows][:, self.whitening.kept[rows]]
         return kept, Posterior(base @ base.T, self.sums.precision[kept]).solve(base)
+
+    def predicted(self, scored: Scored, *, bounded: bool) -> float:
+        """Logarithm of the probability of the runs left out.
+
+        Args:
+            scored: fitted to the others.
+            bounded: with errors as built that are no larger than a robot as built may have them.
+        """
+        known, key = self._predictions, (id(scored), bounded)
+        if key not in known:
+            used = within_tolerance(scored) if bounded else scored
+            known[key] = scored, log_predictive(self.withheld, used)
+        return known[key][1]
+
+    @cached_property
+    def _predictions(self) -> dict[tuple[int, bool], tuple[Scored, float]]:
+        """By the fit, which is kept with it: so long its number is its own."""
+        return {}
 
     def added(self, scored: Scored | None, part: slice = slice(None)) -> FloatArray:
         """(T, s) what an explanation's columns add: all of them, or some of its components."""

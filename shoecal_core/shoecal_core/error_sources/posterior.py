@@ -58,17 +58,20 @@ class Posterior:
         return self.unwhiten(self.whiten(right))
 
     @cached_property
+    def root(self) -> FloatArray:
+        """(p, p) H', a square root of C."""
+        return self.whiten(np.eye(len(self.precision))).T
+
+    @cached_property
     def covariance(self) -> FloatArray:
         """(p, p) C."""
-        half = self.whiten(np.eye(len(self.precision)))
-        covariance: FloatArray = half.T @ half
+        covariance: FloatArray = self.root @ self.root.T
         return covariance
 
     @cached_property
     def variance(self) -> FloatArray:
         """(p,) diagonal of C."""
-        half = self.whiten(np.eye(len(self.precision)))
-        variance: FloatArray = (half**2).sum(axis=0)
+        variance: FloatArray = (self.root**2).sum(axis=1)
         return variance
 
     @cached_property

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from core.diagnosis.drawn import Urn, part
+from shoecal_core.diagnosis import diagnose as diagnose_module
 from shoecal_core.diagnosis.answer import (
     EXPLAINED_FROM,
     Answer,
@@ -20,7 +21,7 @@ from shoecal_core.diagnosis.answer import (
 from shoecal_core.diagnosis.diagnose import Wanted, diagnose
 from shoecal_core.diagnosis.result import Candidate
 from shoecal_core.diagnosis.scoring import Part
-from shoecal_core.diagnosis.selection import Selection, taken
+from shoecal_core.diagnosis.selection import Judged, Selection, taken
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.shrink import FORCE_AND_PLACE
 from shoecal_core.diagnosis.tempering import needed, temper
@@ -90,6 +91,39 @@ def test_what_test_runs_do_not_confirm_is_not_named(urn: Urn) -> None:
     left, words = borne_out(other, found_in(other, "floor_tilt"), SETTINGS)
     assert left.chosen is None
     assert len(words) == 1
+
+
+@pytest.mark.parametrize(("true", "named"), [(1.0, True), (0.4, False), (-1.0, False)])
+def test_a_cause_must_take_what_it_says_on_test_runs(urn: Urn, true: float, named: bool) -> None:
+    """Where the tilt of the test runs is another one than that of the others."""
+    tilted, calm = (urn.draw(np.random.default_rng(5), truth) for truth in (TILT, {}))
+    own, without = (one.signal_model.residuals for one in (tilted, calm))
+    test = tilted.rows_of(tilted.test)[:, None]
+    drawn = urn.showing(np.where(test, without + true * (own - without), own))
+    left, words = borne_out(drawn, found_in(drawn, "floor_tilt"), SETTINGS)
+    assert (left.chosen is not None) == named
+    assert len(words) == (not named)
+
+
+def test_the_next_one_is_named_where_test_runs_refute_the_first(
+    urn: Urn, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn = urn.draw(np.random.default_rng(5), TILT)
+    true, wrong = (
+        Judged(drawn.scorer.score([one]), log, drawn.scorer.nothing)
+        for one, log in (
+            (part(drawn, "floor_tilt"), 30.0),
+            (part(drawn, "link_com (Neck_link)"), SURE),
+        )
+    )
+    monkeypatch.setattr(diagnose_module, "judged", lambda *_: [wrong, true])
+    monkeypatch.setattr(diagnose_module, "over_all_runs", lambda _, singles: singles)
+    settings = replace(SETTINGS, causes_max=1, material_m=0.0)
+    named, words = diagnose_module._borne_out(drawn, settings)
+    assert named.chosen is not None
+    assert named.chosen.parts[0][0] is true.part[0]
+    assert len(words) == 1
+    assert words[0].startswith(wrong.part[0].label)
 
 
 def test_a_gap_of_the_force_alone_is_seen_where_the_cop_has_none(urn: Urn) -> None:

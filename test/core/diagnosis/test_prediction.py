@@ -10,7 +10,7 @@ from scipy.stats import multivariate_normal
 from core.diagnosis.drawn import Urn, part
 from core.diagnosis.test_scoring import ROWS, STD, possible, rows
 from shoecal_core.diagnosis.prediction import BUILT_WITHIN, ROUNDS, log_predictive, within_tolerance
-from shoecal_core.diagnosis.scoring import COUNTS, Scorer, most_probable
+from shoecal_core.diagnosis.scoring import COUNTS, Scorer, log_likelihood, most_probable
 
 SIZE = np.array([0.0, 0.3, -0.4, 0.0])
 
@@ -34,7 +34,8 @@ def test_a_prediction_is_the_density_of_all_rows(noise: float) -> None:
             whole = np.diag(variance[others.group] / COUNTS) + spread
             moved = spread @ cho_solve(cho_factor(whole), rest)
             power = others.squares(rest - moved)
-            variance, likely = most_probable(power, expected, others.count, others.most)
+            variance = most_probable(power, expected, others.count, others.most)
+        likely = log_likelihood(variance, power, expected, others.count)
         density = multivariate_normal(np.zeros(ROWS), whole).logpdf(rest)
         each = (COUNTS / variance)[others.group]
         alone = -0.5 * float((each * (rest - moved) ** 2).sum())

@@ -106,6 +106,23 @@ def test_evidence_is_the_density_of_all_rows(seed: int, built: float) -> None:
     assert costly.evidence == pytest.approx(found.evidence - math.log(3))
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_further_steps_and_what_contains_more_are_no_worse(seed: int) -> None:
+    """Also where a few bands are far noisier than the others, which lets a fit turn in circles."""
+    rng = np.random.default_rng(seed)
+    what = replace(rows(seed, built=1.0), smooth=np.ones(3))
+    what.residuals[: ROWS // 3] *= float(rng.uniform(1.0, 100.0))
+    scorer = Scorer(what, 0)
+    assert scorer.other.evidence >= 0.0
+    one = possible((1, 2), STD)
+    for other in (False, True):
+        each = [
+            scorer.score([(one, one.forms[0])], other=other, rounds=rounds).evidence
+            for rounds in (1, 2, 3, 5, 10, 20)
+        ]
+        assert each == sorted(each)
+
+
 def test_of_noise_nothing_is_evident() -> None:
     """However large it is against what was expected."""
     for noise in (0.1, 1.0, 10.0):

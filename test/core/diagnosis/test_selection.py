@@ -9,7 +9,15 @@ import numpy as np
 import pytest
 
 from core.diagnosis.drawn import Urn, part, remade
-from shoecal_core.diagnosis.selection import Selection, explains, judged, material, select
+from shoecal_core.diagnosis.hypotheses import Hypothesis
+from shoecal_core.diagnosis.selection import (
+    Judged,
+    Selection,
+    judged,
+    material,
+    over_all_runs,
+    select,
+)
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.tempering import needed
 from shoecal_core.diagnosis.workspace import Workspace
@@ -93,7 +101,7 @@ def test_exact_twins_are_equally_probable_and_others_are_not(urn: Urn) -> None:
     }
     away = places["left/rear_left"] - places["left/front_left"]
     size = 0.2 * np.array([-away[2], away[1]])
-    drawn = urn.draw(np.random.default_rng(4), {true: size.tolist()})
+    drawn = urn.draw(np.random.default_rng(5), {true: size.tolist()})
     singles = {label: drawn.scorer.score([part(drawn, label)]).evidence for label in (true, twin)}
     other = drawn.scorer.score([part(drawn, "cell_position (left/rear_left)")]).evidence
     assert abs(singles[true] - singles[twin]) < 8.0
@@ -121,7 +129,7 @@ def test_what_is_sure_but_too_small_to_matter_is_left_out(urn: Urn) -> None:
     assert select(drawn, strict).chosen is None
 
 
-def test_a_slip_that_only_the_legs_show_is_explained(urn: Urn) -> None:
+def test_a_slip_that_only_the_legs_show_is_evident(urn: Urn) -> None:
     _, form = part(urn.workspace, "slip (left)")
     columns = urn.workspace.catalogue.columns[list(form.columns)]
     slipped = np.zeros_like(columns[0])
@@ -130,4 +138,33 @@ def test_a_slip_that_only_the_legs_show_is_explained(urn: Urn) -> None:
     drawn = urn.showing(healthy + slipped)
     found = {one.part[0].label: one for one in judged(drawn, None)}
     assert found["slip (left)"].log > needed(SETTINGS)
-    assert explains(drawn, found["slip (left)"])
+
+
+def test_runs_left_out_count_like_those_that_were_fitted(urn: Urn) -> None:
+    """By the chain rule: what was fitted predicts them as well as what is true does."""
+    truth = "floor_tilt"
+    drawn = urn.draw(np.random.default_rng(8), {truth: [0.012, 0.008]})
+    ranked = {one.part[0].label: one for one in over_all_runs(drawn, judged(drawn, None))}
+    assert ranked[truth].predicted > 0.0
+    assert ranked[truth].total == max(one.total for one in ranked.values())
+    # Without them, and of what happened in one run, nothing is said.
+    alone = replace(drawn, test=())
+    assert all(one.total == one.log for one in over_all_runs(alone, judged(alone, None)))
+    bound = [one for one in ranked.values() if one.part[1].shape.run is not None]
+    assert all(one.predicted == 0.0 for one in bound)
+
+
+def test_the_most_probable_by_all_runs_is_chosen(urn: Urn) -> None:
+    """Not the one that is by the fitted runs alone."""
+    drawn = urn.draw(np.random.default_rng(9), {"floor_tilt": [0.02, 0.012]})
+    first, second = (one for one in judged(drawn, None)[:2])
+    singles = [replace(first, log=30.0), replace(second, log=20.0)]
+    assert chosen(drawn, singles) is first.part[0]
+    singles = [replace(second, log=20.0, predicted=11.0), replace(first, log=30.0)]
+    assert chosen(drawn, singles) is second.part[0]
+
+
+def chosen(drawn: Workspace, singles: Sequence[Judged]) -> Hypothesis:
+    found = select(drawn, replace(SETTINGS, causes_max=1, material_m=0.0), singles)
+    assert found.chosen is not None
+    return found.chosen.parts[0][0]

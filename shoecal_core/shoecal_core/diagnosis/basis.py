@@ -1,0 +1,113 @@
+"""The baseline in fewer columns: of those that rows cannot tell apart, what they add together.
+
+A family of errors as built, x ~ N(0, level^2 D), adds A x to the rows, and A has far more columns
+than directions in which it exceeds the noise. With the eigenvectors V of D^1/2 A' W A D^1/2 (W the
+rows' precision at their least variance) it adds A D^1/2 V z, z ~ N(0, level^2): as many columns as
+eigenvalues matter. Along all others nothing is learned: they keep their mean of zero.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.diagnosis.rows import Rows
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+LEAST = 0.02
+"""Standard deviations of all rows together by which a direction can move them: one that moves them
+by less changes a logarithm of evidence by less than 1e-3."""
+LEAST_MODEL = 0.1
+"""Of what a model usually lacks, what it lacks at least."""
+
+
+@dataclass(frozen=True)
+class Basis:
+    """Unknowns z (q,) in place of the baseline's (p,).
+
+    Attributes:
+        columns: (R, q). group: (R,) of the rows, among G.
+        precision: (q,) of the priors, at level 1.
+        family: (q,) of errors as built; -1 for what belongs to none.
+        parts: of the baseline's columns that are replaced, which, and (m, k) what k unknowns are.
+        kept: columns of the baseline that stand as they are, the first ones.
+        count: p.
+    """
+
+    columns: FloatArray
+    group: IntArray
+    precision: FloatArray
+    family: IntArray
+    parts: tuple[tuple[IntArray, FloatArray], ...]
+    kept: int
+    count: int
+
+    def whole(self, unknowns: FloatArray) -> FloatArray:
+        """(p,) of the baseline, of unknowns (q, ...); what comes after them is left out."""
+        found = np.zeros(self.count)
+        found[: self.kept] = unknowns[: self.kept]
+        at = self.kept
+        for own, turned in self.parts:
+            found[own] = turned @ unknowns[at : at + turned.shape[1]]
+            at += turned.shape[1]
+        return found
+
+    def prior(self, levels: FloatArray) -> FloatArray:
+        """(q,) precision where families are at these levels (F,)."""
+        level = np.where(self.family < 0, 1.0, levels[np.maximum(self.family, 0)])
+        found: FloatArray = self.precision * level**-2.0
+        return found
+
+    def normal(self, weight: FloatArray) -> FloatArray:
+        """(q, q) normal matrix of the columns under weights (G,), its lower triangle alone."""
+        count = self.columns.shape[1]
+        found = np.zeros(count * count)
+        found[self._triangle] = weight @ self._normals
+        return found.reshape(count, count)
+
+    @cached_property
+    def _normals(self) -> FloatArray:
+        """(G, q (q + 1) / 2) lower triangles of the normal matrix, by group."""
+        found = np.empty((int(self.group.max()) + 1, len(self._triangle)))
+        for group in range(len(found)):
+            own = self.columns[self.group == group]
+            found[group] = (own.T @ own).ravel()[self._triangle]
+        return found
+
+    @cached_property
+    def _triangle(self) -> IntArray:
+        """Places of the lower triangle in a matrix (q, q) that is laid out flat."""
+        return np.flatnonzero(np.tri(self.columns.shape[1], dtype=bool))
+
+
+def make_basis(rows: Rows, kept: int) -> Basis:
+    """Reduce the baseline.
+
+    Args:
+        rows: of the baseline.
+        kept: columns at its beginning that stay as they are: gains and offsets.
+    """
+    least = rows.noise + LEAST_MODEL**2 * rows.smooth
+    weight = least[rows.group] ** -0.5
+    parts, columns = [], [rows.base[:, :kept]]
+    precision, families = [rows.precision[:kept]], [rows.family[:kept]]
+    later = np.arange(len(rows.family)) >= kept
+    for family in range(-1, len(rows.most_level)):
+        own = np.flatnonzero(later & (rows.family == family))
+        most = 1.0 if family < 0 else rows.most_level[family]
+        std = rows.precision[own] ** -0.5
+        moved = rows.base[:, own] * (weight[:, None] * most * std)
+        values, vectors = np.linalg.eigh(moved.T @ moved)
+        turned = std[:, None] * vectors[:, values > LEAST**2]
+        parts.append((own, turned))
+        columns.append(rows.base[:, own] @ turned)
+        precision.append(np.ones(turned.shape[1]))
+        families.append(np.full(turned.shape[1], family))
+    return Basis(
+        np.hstack(columns), rows.group, np.concatenate(precision), np.concatenate(families),
+        tuple(parts), kept, len(rows.family),
+    )  # fmt: skip
