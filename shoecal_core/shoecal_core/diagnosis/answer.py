@@ -116,7 +116,7 @@ def borne_out(
             ((_, gone, added),) = taken(workspace, chosen, index, workspace.test)
             shrinks = any(less >= TAKEN_FROM * there > 0.0 for there, less, _ in each)
             shrinks = shrinks and gone >= CLAIMED * added
-            if not shrinks or found.predicted[index] < needed(settings):
+            if not shrinks or found.predicted[index] <= 0.0:
                 why = "explains training runs, but test runs do not confirm it"
                 # Not that, but something: a robot as built is as improbable as before.
                 if any(there > 0.0 for there, _, _ in each):
