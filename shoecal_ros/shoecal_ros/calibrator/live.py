@@ -8,12 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from shoecal_msgs.msg import ShoeVoltages
 
-from shoecal_core.recording.schemas import GOOD
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.shoe.sensing import FootInstant, Place, Sensing
 from shoecal_ros.calibrator.load import LEFT, RIGHT, LoadSwitch
-from shoecal_ros.inputs.joining import NO_DATA, Joined
+from shoecal_ros.inputs.joining import Joined
 
 FloatArray = NDArray[np.float64]
 Wrench = tuple[float, float, float]
@@ -105,7 +105,7 @@ class LiveSensing:
         self._of_foot = of_foot
         self._switch = switch
         self._low_pass = low_pass
-        self._status = np.full(sum(map(len, of_foot)), NO_DATA, dtype=np.uint8)
+        self._status = np.full(sum(map(len, of_foot)), ShoeVoltages.NO_DATA, dtype=np.uint8)
         self._last: Live | None = None
 
     def take(self, joined: Sequence[Joined], support: DoubleSupport | None) -> list[Live]:
@@ -154,7 +154,7 @@ class LiveSensing:
         readings = one.readings
         if one.status.any():
             # A reading that is not good is none: a wrong number is worse than no number.
-            readings = np.where(one.status == GOOD, readings, np.nan)
+            readings = np.where(one.status == ShoeVoltages.GOOD, readings, np.nan)
         readings = self._low_pass(one.stamp_ns, readings)
         measured = sensing.measure_instant(readings.tolist())
         loaded = self._switch.update(measured[LEFT].force, measured[RIGHT].force)
