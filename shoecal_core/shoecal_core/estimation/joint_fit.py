@@ -221,8 +221,7 @@ def fit_jointly(
 def _unsettled(moved: float) -> ShoecalError:
     return ShoecalError(
         f"the joint fit did not settle within {MAX_STEPS} steps (the last one was {moved:.1e} of "
-        "the priors): check polarities and cell positions in the shoe file, and that the robot "
-        "file is this robot's"
+        "the priors); run `shoecal check SESSION` to look for faults of the recording"
     )
 
 
