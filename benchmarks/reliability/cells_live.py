@@ -18,7 +18,7 @@ from reliability.live_world import World, wait
 from reliability.tries import BrokenError
 from ros.bodies import nao_shoe
 from shoecal_ros.common import qos
-from shoecal_ros.common.conversions import VoltageFrame
+from shoecal_ros.common.voltage_frame import VoltageFrame
 
 FloatArray = NDArray[np.float64]
 Bytes = NDArray[np.uint8]

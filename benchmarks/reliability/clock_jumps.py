@@ -28,7 +28,7 @@ from reliability.tries import BrokenError, run_tries
 from shoecal_core.recording import schemas
 from shoecal_core.recording.reader import read_run
 from shoecal_core.recording.session import Session
-from shoecal_ros.common.conversions import VoltageFrame
+from shoecal_ros.common.voltage_frame import VoltageFrame
 from shoecal_ros.inputs.joining import FrameJoiner
 from shoecal_ros.serial.clock import DeviceClock
 

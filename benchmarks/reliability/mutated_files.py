@@ -15,11 +15,11 @@ from reliability.mutations import Rng, mutate_yaml, pick
 from reliability.same import same
 from shoecal_core.errors import FieldError, FileError
 from shoecal_core.estimation.calibration import load_calibration, save_calibration
+from shoecal_core.parameter_file import load_settings
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.robot.urdf import UrdfError, read_urdf
 from shoecal_core.screening.settings import CalibrationSettings
-from shoecal_core.settings import load_settings
 from shoecal_core.shoe.shoe import load_shoe
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_ros.serial.config import load_driver_config

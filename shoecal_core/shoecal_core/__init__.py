@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from shoecal_core.robot.double_support import DoubleSupport
     from shoecal_core.robot.kinematics import Kinematics
     from shoecal_core.robot.robot_file import load_robot
-    from shoecal_core.shoe.instant import InstantSensing
     from shoecal_core.shoe.shoe import load_shoe
     from shoecal_core.simulation.robot import SimulatedRobot
     from shoecal_core.workflows.calibrate import calibrate_session
@@ -32,7 +31,6 @@ if TYPE_CHECKING:
 __all__ = [
     "Calibration",
     "DoubleSupport",
-    "InstantSensing",
     "Kinematics",
     "Planner",
     "Session",
@@ -51,7 +49,6 @@ __all__ = [
 _MODULES = {
     "Calibration": "estimation.calibration",
     "DoubleSupport": "robot.double_support",
-    "InstantSensing": "shoe.instant",
     "Kinematics": "robot.kinematics",
     "Planner": "planning.planner",
     "Session": "recording.session",

@@ -1,4 +1,4 @@
-"""ROS 2 parameter files: which of their sections are for which node.
+"""ROS 2 parameter files: which of their sections are for which node, and settings from them.
 
 A section's key is a node's full name, in which `*` stands for one part and `**` for any number of
 parts, as in `/**/planner`. Its first slash may be left out, and namespaces may be nested.
@@ -10,9 +10,12 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
 from shoecal_core.files import Fields, read_yaml
+from shoecal_core.settings import SettingError, Settings, from_values
 
+S = TypeVar("S", bound=Settings)
 PARAMETERS = "ros__parameters"
 _WILD = {"*": r"/[^/]+", "**": r"(/[^/]+)*"}
 
@@ -80,6 +83,31 @@ def sections_of(path: Path, node: str) -> list[ParameterSection]:
             f"{', '.join(one.key for one in every) or 'none'}; add this key",
         )
     return found
+
+
+def load_settings(cls: type[S], path: Path, node_name: str, section: str) -> S:
+    """Read settings from a ROS parameter file.
+
+    Args:
+        cls: the Settings class.
+        path: YAML of the form `/**/node_name: {ros__parameters: {section: {key: value}}}`.
+        node_name: whose parameters to take; with its namespace where that matters.
+        section: of them; where it is left out everything has its default.
+
+    Raises:
+        FileError: names the file, the key and the cure.
+    """
+    values: dict[str, object] = {}
+    for block in sections_of(path, node_name):
+        if section not in block.fields:
+            continue
+        entries = block.fields.mapping(section)
+        try:
+            values |= {key: entries.value(key) for key in entries.keys()}
+            from_values(cls, values)
+        except SettingError as error:
+            raise entries.error(error.key, error.problem) from error
+    return from_values(cls, values)
 
 
 def _is_for(section: ParameterSection, node: str) -> bool:

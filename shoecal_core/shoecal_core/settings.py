@@ -14,11 +14,9 @@ import dataclasses
 import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TypeVar, cast, get_type_hints
 
 from shoecal_core.errors import ShoecalError
-from shoecal_core.parameter_file import sections_of
 
 Value = bool | int | float | str
 T = TypeVar("T", bound=Value)
@@ -154,28 +152,3 @@ def from_values(cls: type[S], values: Mapping[str, object]) -> S:
         if name not in known:
             raise SettingError(name, f"unknown key; known: {', '.join(known)}")
     return cls(**{name: known[name].checked(value) for name, value in values.items()})
-
-
-def load_settings(cls: type[S], path: Path, node_name: str, section: str) -> S:
-    """Read settings from a ROS parameter file.
-
-    Args:
-        cls: the Settings class.
-        path: YAML of the form `/**/node_name: {ros__parameters: {section: {key: value}}}`.
-        node_name: whose parameters to take; with its namespace where that matters.
-        section: of them; where it is left out everything has its default.
-
-    Raises:
-        FileError: names the file, the key and the cure.
-    """
-    values: dict[str, object] = {}
-    for block in sections_of(path, node_name):
-        if section not in block.fields:
-            continue
-        entries = block.fields.mapping(section)
-        try:
-            values |= {key: entries.value(key) for key in entries.keys()}
-            from_values(cls, values)
-        except SettingError as error:
-            raise entries.error(error.key, error.problem) from error
-    return from_values(cls, values)

@@ -23,10 +23,10 @@ from shoecal_core.cli.progress import shown_progress
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import atomic_write, read_bytes
+from shoecal_core.parameter_file import load_settings
 from shoecal_core.progress import Progress
 from shoecal_core.recording.session import Session
 from shoecal_core.screening.settings import CalibrationSettings
-from shoecal_core.settings import load_settings
 from shoecal_core.shoe.shoe import load_shoe
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.workspace import config_dir

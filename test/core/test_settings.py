@@ -6,14 +6,8 @@ from pathlib import Path
 import pytest
 
 from shoecal_core.errors import FileError
-from shoecal_core.settings import (
-    SettingError,
-    Settings,
-    describe,
-    from_values,
-    load_settings,
-    setting,
-)
+from shoecal_core.parameter_file import load_settings
+from shoecal_core.settings import SettingError, Settings, describe, from_values, setting
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,8 @@ from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.shoe.load_cases import double_support_outputs
 from shoecal_core.shoe.wrench import at_cop, weight_below
 from shoecal_ros.common import qos
-from shoecal_ros.common.conversions import JointSample, VoltageFrame, joints_to_ros, voltages_to_ros
+from shoecal_ros.common.conversions import JointSample, joints_to_ros, voltages_to_ros
+from shoecal_ros.common.voltage_frame import VoltageFrame
 
 FloatArray = NDArray[np.float64]
 PERIOD_NS = 20_000_000

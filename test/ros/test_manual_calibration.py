@@ -26,12 +26,8 @@ from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.simulation.rig import LoadingRig
 from shoecal_core.simulation.sampled_robot import draw_shoes
 from shoecal_core.workflows.simulated_manual import rig_readings
-from shoecal_ros.common.conversions import (
-    VoltageFrame,
-    calibration_from_ros,
-    calibration_to_ros,
-    voltages_to_ros,
-)
+from shoecal_ros.common.conversions import calibration_from_ros, calibration_to_ros, voltages_to_ros
+from shoecal_ros.common.voltage_frame import VoltageFrame
 
 
 @pytest.fixture(scope="module")

@@ -25,7 +25,8 @@ from shoecal_core.cli.manual_guide_frames import LineFrame, LineProblem
 from shoecal_core.cli.manual_guide_streams import FrameStream, driver_stream
 from shoecal_core.shoe.shoe import load_shoe
 from shoecal_core.workspace import ros_environment
-from shoecal_ros.common.conversions import VoltageFrame, voltages_to_ros
+from shoecal_ros.common.conversions import voltages_to_ros
+from shoecal_ros.common.voltage_frame import VoltageFrame
 
 NAMES = nao_shoe().names
 LEFT, RIGHT = NAMES[:4], NAMES[4:]

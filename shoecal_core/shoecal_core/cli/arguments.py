@@ -8,8 +8,9 @@ from typing import TypeVar
 
 from shoecal_core.errors import FileMissingError, FileTakenError
 from shoecal_core.file_kinds import DECIMAL_POINT
+from shoecal_core.parameter_file import load_settings
 from shoecal_core.robot.robot_file import shoe_file_of
-from shoecal_core.settings import Settings, load_settings
+from shoecal_core.settings import Settings
 
 S = TypeVar("S", bound=Settings)
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from shoecal_core.cli.arguments import seed_number
 from shoecal_core.cli.suggestions import nearest
 from shoecal_core.errors import ShoecalError
+from shoecal_core.parameter_file import load_settings
 from shoecal_core.planning.motion_catalogue import MOTION_KINDS
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.draw import draw_supports
@@ -18,7 +19,7 @@ from shoecal_core.planning.supports.named import NAMED, PAPER_DOC, named_support
 from shoecal_core.progress import Progress
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
-from shoecal_core.settings import SettingError, load_settings
+from shoecal_core.settings import SettingError
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.workspace import config_dir
 

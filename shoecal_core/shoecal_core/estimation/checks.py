@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.estimation.known_shoe import Since
+from shoecal_core.estimation.known import Since
 from shoecal_core.planning.supports.identifiability import Identifiability
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.samples.zeros import Zero

@@ -17,22 +17,24 @@ from shoecal_core.estimation.correction_fit import fit_corrections
 from shoecal_core.estimation.fit import SelfCalibration
 from shoecal_core.estimation.initial_guess import InitialGuess
 from shoecal_core.estimation.joint_fit import RATE_HZ, JointFit, fit_jointly
-from shoecal_core.estimation.known_shoe import KnownShoe, Since
-from shoecal_core.estimation.known_zeros import known_zeros
+from shoecal_core.estimation.known import KnownShoe, KnownZeros, Since
 from shoecal_core.estimation.least_squares import Fit
 from shoecal_core.samples.samples import Samples
 from shoecal_core.samples.settings import SampleSettings
 from shoecal_core.samples.stance import Stance
 from shoecal_core.samples.zeros import Zero
 from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.shoe.priors import TORQUE_LEVER_M
 from shoecal_core.shoe.shoe import Shoe
-from shoecal_core.shoe.wrench import columns_in_left
+from shoecal_core.shoe.wrench import columns_in_left, weight_below
 
 FloatArray = NDArray[np.float64]
 FALSE_CHANGE = 1e-3
 """Chance that steady shoes are taken for changed ones."""
 SAMPLING = SampleSettings(rate_hz=RATE_HZ)
 """How a session becomes the samples of the joint fit."""
+EXACT = 1e-4
+"""N, N m; standard deviation of zeros that are the same in all runs."""
 
 
 def joint_calibration(
@@ -75,6 +77,29 @@ def joint_calibration(
         known=known,
         zeros=known_zeros(samples.shoe, hanging, tolerances),
     )
+
+
+def known_zeros(shoe: Shoe, zeros: Sequence[Zero], tolerances: Tolerances) -> KnownZeros:
+    """Force and both moments of each foot in the air.
+
+    Args:
+        shoe: with n channels.
+        zeros: of runs in which both feet are in the air.
+        tolerances: by which zeros differ from run to run.
+    """
+    count = len(shoe.names)
+    run_zero = tolerances.run_zero_n * np.where(shoe.torque, TORQUE_LEVER_M, 1.0)
+    columns, readings, below, std = [], [], [], []
+    for zero in zeros:
+        own = np.where((shoe.foot == zero.foot)[:, None], shoe.columns, 0.0).T
+        felt = np.any(own != 0.0, axis=1)
+        columns.append(own[felt])
+        readings.append(np.tile(zero.reading, (int(felt.sum()), 1)))
+        below.append(weight_below(shoe)[zero.foot][felt])
+        std.append(np.maximum(np.sqrt((own[felt] ** 2) @ run_zero**2), EXACT))
+    if not zeros:
+        return KnownZeros(np.zeros((0, count)), np.zeros((0, count)), np.zeros(0), np.zeros(0))
+    return KnownZeros(*(np.concatenate(part) for part in (columns, readings, below, std)))
 
 
 def of_joint(

@@ -29,8 +29,7 @@ from shoecal_core.error_sources.signal_model import SignalModel, make_signal_mod
 from shoecal_core.error_sources.signals import COP
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import ShoecalError
-from shoecal_core.estimation.known_shoe import KnownShoe
-from shoecal_core.estimation.known_zeros import KnownZeros
+from shoecal_core.estimation.known import KnownShoe, KnownZeros
 from shoecal_core.estimation.linear_system import LinearSystem
 from shoecal_core.samples.samples import Samples, Track
 from shoecal_core.shoe.priors import parameter_std
@@ -222,8 +221,7 @@ def fit_jointly(
 def _unsettled(moved: float) -> ShoecalError:
     return ShoecalError(
         f"the joint fit did not settle within {MAX_STEPS} steps (the last one was {moved:.1e} of "
-        "the priors): check polarities and cell positions in the shoe file, and that the robot "
-        "file is this robot's"
+        "the priors); run `shoecal check SESSION` to look for faults of the recording"
     )
 
 

@@ -18,7 +18,7 @@ from scipy.ndimage import gaussian_filter1d
 
 from shoecal_core.estimation.least_squares import Prior
 from shoecal_core.estimation.residuals import ResidualWeights, residuals, unpack
-from shoecal_core.samples.even import evenly
+from shoecal_core.samples.filters import evenly
 from shoecal_core.samples.stance import Stance
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.verdict import Finding

@@ -14,8 +14,7 @@ from shoecal_core.error_sources.deviation import Deviation
 from shoecal_core.error_sources.posterior import Posterior
 from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.tolerances import Tolerances
-from shoecal_core.estimation.known_shoe import KnownShoe
-from shoecal_core.estimation.known_zeros import KnownZeros
+from shoecal_core.estimation.known import KnownShoe, KnownZeros
 from shoecal_core.shoe.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]

@@ -15,7 +15,7 @@ from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot import GRAVITY, Robot
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.contact import at_least_load
-from shoecal_core.samples.even import evenly
+from shoecal_core.samples.filters import evenly
 from shoecal_core.samples.known_weight import carried, with_mass
 from shoecal_core.samples.lifting import TRANSIT_S, hanging_foot, height_change
 from shoecal_core.samples.momentum import standing_spin

@@ -21,7 +21,7 @@ from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import GRAVITY, Robot
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.contact import Contact, find_contact
-from shoecal_core.samples.even import evenly, typical_period
+from shoecal_core.samples.filters import evenly, typical_period
 from shoecal_core.samples.local_cubic import local_cubics
 from shoecal_core.samples.stance import Stance, make_stance
 from shoecal_core.shoe.shoe import FEET, Shoe

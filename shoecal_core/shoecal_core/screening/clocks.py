@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
 from shoecal_core.samples.aligned import MIN_SAMPLES, Aligned
-from shoecal_core.samples.even import resampled, typical_period
+from shoecal_core.samples.filters import resampled, typical_period
 from shoecal_core.screening.blocks import blocks
 from shoecal_core.screening.noise import spread
 from shoecal_core.screening.rough_fit import equations, prior, reweighed, solve

@@ -16,7 +16,7 @@ from scipy.ndimage import maximum_filter1d
 
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.samples.aligned import Aligned
-from shoecal_core.samples.even import evenly
+from shoecal_core.samples.filters import evenly
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import median_filter, uniform_filter1d
 
-from shoecal_core.samples.even import evenly
+from shoecal_core.samples.filters import evenly
 from shoecal_core.screening.blocks import BLOCK_S, in_blocks
 from shoecal_core.screening.noise import spread
 from shoecal_core.screening.settings import CalibrationSettings

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.samples.aligned import Aligned
-from shoecal_core.samples.even import resampled, typical_period
+from shoecal_core.samples.filters import resampled, typical_period
 from shoecal_core.samples.local_cubic import local_cubics, middle_weights
 from shoecal_core.screening.noise import spread
 from shoecal_core.screening.settings import CalibrationSettings

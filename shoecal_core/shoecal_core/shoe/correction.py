@@ -9,6 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from operator import mul
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +20,8 @@ from shoecal_core.errors import ShapeError, ShoecalError
 from shoecal_core.shoe.shoe import FEET, Shoe
 
 FloatArray = NDArray[np.float64]
+N = TypeVar("N", float, FloatArray)
+"""The value at one instant, or an array of many: the same equations serve both."""
 POLYNOMIAL = 4
 """Terms of the second-order polynomial in one direction."""
 
@@ -60,20 +65,36 @@ class CopCorrection:
         """Number k of channels with a term."""
         return len(self.x) - POLYNOMIAL
 
-    def correct(self, raw: FloatArray, outputs: FloatArray) -> FloatArray:
-        """Corrected CoP (..., 2) of a raw CoP (..., 2) [m] and outputs (..., k) [N]."""
-        in_x, in_y = features(raw, outputs)
-        return raw + np.stack((in_x @ self.x, in_y @ self.y), axis=-1)
+    def correct(self, raw: Sequence[N], outputs: Sequence[N]) -> tuple[N, N]:
+        """Corrected CoP x, y of one instant, or of many at once.
 
-    def extrapolates(self, raw: FloatArray, outputs: FloatArray) -> NDArray[np.bool_]:
-        """(...,) True outside the places and loads it was trained on."""
-        outside: NDArray[np.bool_] = (
-            (raw < self.cop_range[0]).any(axis=-1)
-            | (raw > self.cop_range[1]).any(axis=-1)
-            | (outputs < self.output_range[0]).any(axis=-1)
-            | (outputs > self.output_range[1]).any(axis=-1)
-        )
+        Args:
+            raw: x and y of the raw CoP [m], each a number or an array (...).
+            outputs: k of the channels [N or N m], alike.
+        """
+        (x, y), (of_x, of_y) = raw, self._lines
+        return x + _shift(of_x, x, y, outputs), y + _shift(of_y, y, x, outputs)
+
+    def extrapolates(self, raw: Sequence[N], outputs: Sequence[N]) -> bool | NDArray[np.bool_]:
+        """One or (...,): True outside the places and loads it was trained on.
+
+        Args:
+            raw, outputs: as of `correct`.
+        """
+        outside: bool | NDArray[np.bool_] = False
+        for value, (low, high) in zip((*raw, *outputs), self._ranges, strict=True):
+            outside |= (value < low) | (value > high)
         return outside
+
+    @cached_property
+    def _lines(self) -> tuple[list[float], list[float]]:
+        # For one instant, plain numbers are much faster than arrays.
+        return self.x.tolist(), self.y.tolist()
+
+    @cached_property
+    def _ranges(self) -> list[tuple[float, float]]:
+        low, high = np.hstack((self.cop_range, self.output_range)).tolist()
+        return list(zip(low, high, strict=True))
 
 
 def corrected_channels(shoe: Shoe, foot: int) -> NDArray[np.int64]:
@@ -101,6 +122,14 @@ def check_corrections(shoe: Shoe, corrections: Sequence[CopCorrection]) -> None:
             raise ShoecalError(
                 f"the {FEET[correction.foot]} foot has two CoP corrections; keep one"
             )
+
+
+def _shift(line: Sequence[float], along: N, across: N, outputs: Sequence[N]) -> N:
+    """Eq. 5 in one direction [m]."""
+    square, straight, side, constant = line[:POLYNOMIAL]
+    shift = square * along * along + straight * along + side * across + constant
+    by_outputs: N = sum(map(mul, line[POLYNOMIAL:], outputs))
+    return shift + by_outputs
 
 
 def features(raw: FloatArray, outputs: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -42,7 +42,8 @@ from shoecal_core.estimation.fit import SelfCalibration, prior_of, self_calibrat
 from shoecal_core.estimation.initial_guess import initial_guess
 from shoecal_core.estimation.joint import corrected, fit_with_known, joint_calibration, of_joint
 from shoecal_core.estimation.joint_fit import JointFit
-from shoecal_core.estimation.known_shoe import Since, known_shoe
+from shoecal_core.estimation.known import Since
+from shoecal_core.estimation.known_shoe import known_shoe
 from shoecal_core.estimation.lagging import check_lags, lags
 from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.estimation.residuals import ResidualWeights

@@ -16,11 +16,12 @@ from shoecal_core.errors import FieldError
 from shoecal_core.estimation.calibration import Calibration, WrongShoeError, load_calibration
 from shoecal_core.estimation.drift import FALSE_ALARM
 from shoecal_core.estimation.standstill import ModelTolerance
+from shoecal_core.parameter_file import load_settings
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.recording import schemas
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.screening.settings import CalibrationSettings
-from shoecal_core.settings import load_settings, setting
+from shoecal_core.settings import setting
 from shoecal_core.shoe.shoe import FEET
 from shoecal_core.workspace import config_dir
 from shoecal_ros.calibrator.force_samples import STANCE, SUM_FRAMES, ForceSamples

@@ -8,13 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from shoecal_msgs.msg import ShoeVoltages
 
-from shoecal_core.recording.schemas import GOOD
 from shoecal_core.robot.double_support import DoubleSupport
-from shoecal_core.shoe.instant import FootInstant, InstantSensing, Place
-from shoecal_core.shoe.sensing import Sensing
+from shoecal_core.shoe.sensing import FootInstant, Place, Sensing
 from shoecal_ros.calibrator.load import LEFT, RIGHT, LoadSwitch
-from shoecal_ros.inputs.joining import NO_DATA, Joined
+from shoecal_ros.inputs.joining import Joined
 
 FloatArray = NDArray[np.float64]
 Wrench = tuple[float, float, float]
@@ -101,23 +100,13 @@ class LiveSensing:
             switch: gives the loaded feet.
             low_pass: of the readings.
         """
-        self._sensing: Sensing | None = None
-        self._instant: InstantSensing | None = None
+        self.sensing: Sensing | None = None
+        """Under the calibration in force; None while uncalibrated."""
         self._of_foot = of_foot
         self._switch = switch
         self._low_pass = low_pass
-        self._status = np.full(sum(map(len, of_foot)), NO_DATA, dtype=np.uint8)
+        self._status = np.full(sum(map(len, of_foot)), ShoeVoltages.NO_DATA, dtype=np.uint8)
         self._last: Live | None = None
-
-    @property
-    def sensing(self) -> Sensing | None:
-        """Under the calibration in force; None while uncalibrated."""
-        return self._sensing
-
-    @sensing.setter
-    def sensing(self, sensing: Sensing | None) -> None:
-        self._sensing = sensing
-        self._instant = None if sensing is None else InstantSensing(sensing)
 
     def take(self, joined: Sequence[Joined], support: DoubleSupport | None) -> list[Live]:
         """Take readings in order; nothing comes out while uncalibrated.
@@ -129,11 +118,11 @@ class LiveSensing:
         if not joined:
             return []
         self._status = joined[-1].status
-        if self._instant is None:
+        if self.sensing is None:
             self._last = None
             return []
         turn = None if support is None else _Turn(support)
-        lives = [self._live(one, self._instant, turn) for one in joined]
+        lives = [self._live(one, self.sensing, turn) for one in joined]
         self._last = lives[-1]
         return lives
 
@@ -161,13 +150,13 @@ class LiveSensing:
             status=tuple(status.tolist()),
         )
 
-    def _live(self, one: Joined, instant: InstantSensing, turn: _Turn | None) -> Live:
+    def _live(self, one: Joined, sensing: Sensing, turn: _Turn | None) -> Live:
         readings = one.readings
         if one.status.any():
             # A reading that is not good is none: a wrong number is worse than no number.
-            readings = np.where(one.status == GOOD, readings, np.nan)
+            readings = np.where(one.status == ShoeVoltages.GOOD, readings, np.nan)
         readings = self._low_pass(one.stamp_ns, readings)
-        measured = instant.measure(readings.tolist())
+        measured = sensing.measure_instant(readings.tolist())
         loaded = self._switch.update(measured[LEFT].force, measured[RIGHT].force)
         left, right = (
             foot if load else FootInstant(foot.force, None, extrapolating=False)

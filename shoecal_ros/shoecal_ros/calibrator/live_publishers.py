@@ -13,7 +13,7 @@ from rclpy.publisher import Publisher
 from shoecal_msgs.msg import FootState, ShoeForces, ShoeState
 
 from shoecal_core.robot.kinematics import BodyStates
-from shoecal_core.shoe.instant import Place
+from shoecal_core.shoe.sensing import Place
 from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_ros.calibrator.force_samples import ForceSamples, no_forces
 from shoecal_ros.calibrator.live import Doubts, FootFlags, Live, Wrench, wrench_of

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import array
-import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
@@ -27,6 +26,7 @@ from shoecal_core.shoe.shoe import FEET
 from shoecal_core.shoe.wrench import ChannelParameters
 from shoecal_ros.common.names import short_name
 from shoecal_ros.common.origin import EPOCH_NS, Origin
+from shoecal_ros.common.voltage_frame import VoltageFrame
 
 FloatArray = NDArray[np.float64]
 SECOND_NS = 1_000_000_000
@@ -57,29 +57,6 @@ class JointSample:
     names: tuple[str, ...]
     position: FloatArray
     effort: FloatArray | None = None
-
-
-@dataclass(frozen=True)
-class VoltageFrame:
-    """One device frame.
-
-    Attributes:
-        stamp_ns: time of sampling [ns].
-        source: who sent it (the message's frame_id).
-        sequence: the device's counter.
-        cells: k names.
-        voltage: (k,) raw, NaN where a cell gave none.
-        status: (k,) constants of ShoeVoltages.
-        temperature: [degC], NaN where there is no sensor.
-    """
-
-    stamp_ns: int
-    source: str
-    sequence: int
-    cells: tuple[str, ...]
-    voltage: FloatArray
-    status: NDArray[np.uint8]
-    temperature: float = math.nan
 
 
 # Time

@@ -10,18 +10,18 @@ from statistics import median
 
 import numpy as np
 from numpy.typing import NDArray
+from shoecal_msgs.msg import ShoeVoltages
 
 from shoecal_core.errors import ShoecalError
 from shoecal_core.settings import Settings, setting
-from shoecal_ros.common.conversions import VoltageFrame
-from shoecal_ros.inputs.stamps import CLOCK_SET_NS
+from shoecal_ros.common.voltage_frame import VoltageFrame
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
-NO_DATA = 2
-"""As in ShoeVoltages: the channel gave nothing."""
-
+NO_DATA = ShoeVoltages.NO_DATA
+CLOCK_SET_NS = 1_000_000_000
+"""Stamps that fall back further than this: a clock was set, or simulated time started again."""
 HOLD_PERIODS, MOST_HOLD_S = 1.5, 0.15
 """A reading counts for so many of its board's periods at least, else two slow boards never meet;
 but for no longer than this: what is older is not of the same instant."""

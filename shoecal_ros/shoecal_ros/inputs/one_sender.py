@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.robot.robot import Robot
-from shoecal_ros.inputs.stamps import CLOCK_SET_NS
+from shoecal_ros.inputs.joining import CLOCK_SET_NS
 
 FloatArray = NDArray[np.float64]
 

@@ -10,7 +10,8 @@ from geometry_msgs.msg import WrenchStamped
 
 from shoecal_core.recording import schemas
 from shoecal_core.shoe.shoe import AXES, FEET, Shoe
-from shoecal_ros.common.conversions import VoltageFrame, time_from_ros, voltages_from_ros
+from shoecal_ros.common.conversions import time_from_ros, voltages_from_ros
+from shoecal_ros.common.voltage_frame import VoltageFrame
 
 
 def frame_reader(topic: str, shoe: Shoe) -> Callable[[Any], VoltageFrame] | None:

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from shoecal_core.errors import ShoecalError
 from shoecal_ros.common.codes import Code, Problem
-from shoecal_ros.common.conversions import VoltageFrame
 from shoecal_ros.common.health import Condition
+from shoecal_ros.common.voltage_frame import VoltageFrame
 from shoecal_ros.inputs.arrival_monitor import SILENT_S, ArrivalMonitor
 from shoecal_ros.inputs.cell_watch import CellWatch
 from shoecal_ros.inputs.joining import BoardsApartError, FrameJoiner, Joined

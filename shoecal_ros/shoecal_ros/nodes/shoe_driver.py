@@ -18,11 +18,12 @@ from shoecal_core.settings import Settings, setting
 from shoecal_core.workspace import config_dir
 from shoecal_ros.common import qos
 from shoecal_ros.common.codes import Code, Problem
-from shoecal_ros.common.conversions import VoltageFrame, time_from_ros, voltages_to_ros
+from shoecal_ros.common.conversions import time_from_ros, voltages_to_ros
 from shoecal_ros.common.health import Condition
 from shoecal_ros.common.names import short_name
 from shoecal_ros.common.node import ShoecalNode
 from shoecal_ros.common.process import run
+from shoecal_ros.common.voltage_frame import VoltageFrame
 from shoecal_ros.inputs.voltages import REMEMBER_S
 from shoecal_ros.serial.config import load_driver_config
 from shoecal_ros.serial.driver import DriverStatus, Reading, open_driver

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from core.cli.conftest import WREN, WREN_SHOE, Run
 from shoecal_core import cli
 from shoecal_core.error_sources.tolerances import Tolerances
-from shoecal_core.estimation.known_zeros import known_zeros
+from shoecal_core.estimation.joint import known_zeros
 from shoecal_core.estimation.session_data import load_data
 from shoecal_core.recording import messages, schemas
 from shoecal_core.recording.info import HANGING

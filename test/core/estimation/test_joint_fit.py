@@ -146,8 +146,8 @@ def noise_alone(samples: Samples) -> Samples:
     ("alter", "text"),
     [
         (without_a_number, "readings of left/rear_left are not numbers"),
-        (dead_left_foot, "did not settle within 20 steps.*check polarities"),
-        (noise_alone, "did not settle within 20 steps.*check polarities"),
+        (dead_left_foot, "did not settle within 20 steps.*shoecal check SESSION"),
+        (noise_alone, "did not settle within 20 steps.*shoecal check SESSION"),
     ],
 )
 def test_bad_readings_are_one_error(

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from shoecal_core.error_sources.as_built import plates_column
 from shoecal_core.error_sources.deviation import Deviation
-from shoecal_core.estimation.known_shoe import KnownShoe, Since, known_shoe
+from shoecal_core.estimation.known import KnownShoe, Since
+from shoecal_core.estimation.known_shoe import known_shoe
 from shoecal_core.shoe.correction import CopCorrection
 from shoecal_core.shoe.sensing import Sensing
 from shoecal_core.shoe.shoe import FEET, Shoe, load_shoe

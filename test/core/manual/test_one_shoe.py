@@ -16,7 +16,6 @@ from shoecal_core.manual.calibrate import (
     calibrate_shoe,
     of_shoe,
 )
-from shoecal_core.shoe.instant import InstantSensing
 from shoecal_core.shoe.sensing import Sensing
 from shoecal_core.shoe.shoe import Shoe, load_shoe
 from shoecal_core.shoe.wrench import ChannelParameters
@@ -99,7 +98,7 @@ def test_a_vertical_force_alone(tmp_path: Path) -> None:
     below = shoe.plates[0].mass_below * 9.80665
     np.testing.assert_allclose(measured.grf[:, 0], [15.0 + below, 27.0 + below])
     assert np.isnan(measured.cop).all()
-    left, _ = InstantSensing(sensing).measure([2.0])
+    left, _ = sensing.measure_instant([2.0])
     assert left.force == pytest.approx(27.0 + below)
     assert left.cop is None
 

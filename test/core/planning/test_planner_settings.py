@@ -3,8 +3,9 @@ from __future__ import annotations
 import pytest
 
 from core.planning.bodies import ROOT
+from shoecal_core.parameter_file import load_settings
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.settings import SettingError, describe, load_settings
+from shoecal_core.settings import SettingError, describe
 
 FILE = ROOT / "config/nodes/planner.yaml"
 

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
-from shoecal_core.samples.filters import low_passed, play, relay, rise, slope
+from shoecal_core.samples.filters import evenly, low_passed, play, relay, resampled, rise, slope
 
+FloatArray = NDArray[np.float64]
 TIME = np.arange(0.0, 20.0, 0.02)
 
 
@@ -55,3 +58,33 @@ def test_what_comes_a_span_later_is_more_by_its_rise(span: float) -> None:
     found = rise(np.cos(TIME)[:, None], TIME, span)[:, 0]
     wanted = np.sin(np.minimum(TIME + span, TIME[-1])) - np.sin(TIME)
     np.testing.assert_allclose(found, wanted, atol=1e-3)
+
+
+# ---- stamps that jitter, and samples lost --------------------------------------------------------
+
+
+def uneven() -> FloatArray:
+    rng = np.random.default_rng(1)
+    time = np.sort(np.arange(0.0, 10.0, 0.01) + rng.uniform(-0.004, 0.004, 1000))
+    return np.delete(time, rng.choice(np.arange(1, 999), 200, replace=False))
+
+
+def test_even_stamps_are_left_alone() -> None:
+    time, values = np.arange(0.0, 1.0, 0.01), np.ones((100, 2))
+    same, at = resampled(values, time)
+    assert same is values
+    assert at is time
+    assert evenly(lambda even, period: even * period, values, time)[0, 0] == pytest.approx(0.01)
+
+
+def test_a_slope_is_a_slope_whatever_the_stamps() -> None:
+    time = uneven()
+    found = slope(3.0 * time[:, None], time)
+    np.testing.assert_allclose(found[60:-60], 3.0, atol=1e-6)
+
+
+def test_a_lag_lasts_as_long_whatever_the_stamps() -> None:
+    time = uneven()
+    ramp = low_passed(time[:, None], time, 0.5)[:, 0]
+    late = time - ramp
+    np.testing.assert_allclose(late[time > 5.0], 0.5, atol=0.02)

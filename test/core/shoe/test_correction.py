@@ -37,7 +37,9 @@ def test_by_hand() -> None:
     # x: 2 * 0.0025 + 0.1 * 0.05 + 0.3 * -0.02 + 0.001 + (1 + 4 + 9 + 16) 1e-3 = 0.035
     # y: 5 * 0.0004 + 0.2 * -0.02 + 0.4 * 0.05 + 0.002 + (-1 + 2 - 6 + 8) 1e-3 = 0.023
     np.testing.assert_allclose(
-        make(x, y).correct(raw, outputs), [0.05 + 0.035, -0.02 + 0.023], atol=1e-15
+        make(x, y).correct(raw.tolist(), outputs.tolist()),
+        [0.05 + 0.035, -0.02 + 0.023],
+        atol=1e-15,
     )
 
 
@@ -47,7 +49,7 @@ def numbers(*shape: int) -> st.SearchStrategy[FloatArray]:
 
 @given(numbers(7), numbers(7), numbers(5, 2), numbers(5, 3))
 def test_by_the_paper_s_sums(x: FloatArray, y: FloatArray, raw: FloatArray, f: FloatArray) -> None:
-    found = make(x, y).correct(raw, f)
+    found = np.stack(make(x, y).correct(list(raw.T), list(f.T)), axis=1)
     (a1, a2, a3, a4, *m), (b1, b2, b3, b4, *n) = x, y
     for k in range(5):
         p0x, p0y = raw[k]
@@ -62,7 +64,7 @@ def test_linear_in_its_parameters(
     raw: FloatArray, outputs: FloatArray,
 ) -> None:  # fmt: skip
     def shift(x: FloatArray, y: FloatArray) -> FloatArray:
-        return make(x, y).correct(raw, outputs) - raw
+        return np.array(make(x, y).correct(raw.tolist(), outputs.tolist())) - raw
 
     np.testing.assert_allclose(
         shift(x1 + scale * x2, y1 + scale * y2), shift(x1, y1) + scale * shift(x2, y2), atol=1e-11
@@ -71,14 +73,20 @@ def test_linear_in_its_parameters(
 
 def test_no_correction_of_zeros_and_any_leading_shape() -> None:
     rng = np.random.default_rng(0)
-    raw, outputs = rng.normal(size=(2, 3, 2)), rng.normal(size=(2, 3, 4))
-    np.testing.assert_array_equal(make(np.zeros(8), np.zeros(8)).correct(raw, outputs), raw)
+    raw, outputs = rng.normal(size=(2, 2, 3)), rng.normal(size=(4, 2, 3))
+    none = make(np.zeros(8), np.zeros(8))
+    np.testing.assert_array_equal(none.correct(list(raw), list(outputs)), raw)
     one = make(rng.normal(size=8), rng.normal(size=8))
-    whole = one.correct(raw, outputs)
+    whole = np.array(one.correct(list(raw), list(outputs)))
     for index in np.ndindex(2, 3):
-        np.testing.assert_allclose(whole[index], one.correct(raw[index], outputs[index]))
-    in_x, in_y = features(raw, outputs)
-    assert in_x.shape == in_y.shape == (2, 3, 8)
+        here = (slice(None), *index)
+        np.testing.assert_allclose(
+            whole[here], one.correct(raw[here].tolist(), outputs[here].tolist())
+        )
+    rows = features(np.moveaxis(raw, 0, -1), np.moveaxis(outputs, 0, -1))
+    for axis, (row, line) in enumerate(zip(rows, (one.x, one.y), strict=True)):
+        assert row.shape == (2, 3, 8)
+        np.testing.assert_allclose(raw[axis] + row @ line, whole[axis])
 
 
 def test_extrapolation_beyond_places_and_loads() -> None:
@@ -99,7 +107,10 @@ def test_extrapolation_beyond_places_and_loads() -> None:
         ([0.0, 0.0], [10.0, 20.1]),
     ]
     raw, outputs = (np.array(part) for part in zip(*inside, *outside, strict=True))
-    assert one.extrapolates(raw, outputs).tolist() == [False] * 3 + [True] * 4
+    assert (
+        np.asarray(one.extrapolates(list(raw.T), list(outputs.T))).tolist()
+        == [False] * 3 + [True] * 4
+    )
 
 
 @pytest.mark.parametrize(
@@ -147,4 +158,4 @@ def test_a_six_axis_sensor_s_force_and_two_moments_have_a_term() -> None:
     readings = np.array([2.0, -1.0, 30.0, 0.3, -0.2] * 2)
     raw = Sensing(shoe, parameters).measure(readings).cop[0]
     found = Sensing(shoe, parameters, [one]).measure(readings).cop[0]
-    np.testing.assert_allclose(found, one.correct(raw, readings[2:5]))
+    np.testing.assert_allclose(found, one.correct(raw.tolist(), readings[2:5].tolist()))

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -11,12 +14,18 @@ from numpy.typing import NDArray
 from core.shoe import shoes
 from shoecal_core.errors import ShapeError, ShoecalError
 from shoecal_core.robot.double_support import DoubleSupport
-from shoecal_core.shoe.correction import CopCorrection
+from shoecal_core.shoe.correction import CopCorrection, corrected_channels
 from shoecal_core.shoe.sensing import MINIMUM_FORCE, Sensing
-from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.shoe import Shoe, load_shoe
 from shoecal_core.shoe.wrench import ChannelParameters, at_cop, foot_wrenches, weight_below
 
 FloatArray = NDArray[np.float64]
+ROOT = Path(__file__).parents[3]
+SHOES = [
+    load_shoe(ROOT / path)
+    for path in ("config/shoes/nao_shoe.yaml", "config/shoes/reemc.yaml",
+                 "test/data/shoes/odd_shoe.yaml")
+]  # fmt: skip
 SUPPORT = DoubleSupport(0.03, -0.11, 0.4)
 
 
@@ -128,6 +137,40 @@ def test_a_missing_reading_spoils_its_foot_and_the_sum_but_no_other_sample(shoe:
     assert np.isnan(measured.combined_cop(SUPPORT)[1]).all()
     assert np.isnan(measured.total_grf[1])
     assert np.isfinite(measured.combined_cop(SUPPORT)[[0, 2]]).all()
+
+
+def drawn_correction(shoe: Shoe, foot: int, rng: np.random.Generator) -> CopCorrection:
+    count = len(corrected_channels(shoe, foot))
+    return CopCorrection(
+        foot,
+        rng.normal(0.0, 0.05, 4 + count),
+        rng.normal(0.0, 0.05, 4 + count),
+        np.sort(rng.normal(0.0, 0.05, (2, 2)), axis=0),
+        np.sort(rng.normal(10.0, 20.0, (2, count)), axis=0),
+    )
+
+
+@given(st.integers(0, 2**32 - 1), st.sampled_from(SHOES), st.integers(0, 3), st.booleans())
+def test_one_instant_is_what_the_batch_gives(
+    seed: int, shoe: Shoe, corrected: int, gone: bool
+) -> None:
+    rng = np.random.default_rng(seed)
+    count = len(shoe.names)
+    law = ChannelParameters(rng.normal(0.0, 10.0, count), rng.normal(0.0, 3.0, count))
+    corrections = [drawn_correction(shoe, foot, rng) for foot in (0, 1) if corrected & (1 + foot)]
+    sensing = Sensing(shoe, law, corrections)
+    readings = rng.normal(0.0, 2.0, count)
+    if gone:
+        readings[rng.integers(count)] = math.nan
+    measured = sensing.measure(readings)
+    for foot, found in enumerate(sensing.measure_instant(readings.tolist())):
+        np.testing.assert_allclose(found.force, measured.grf[foot], rtol=1e-9, atol=1e-9)
+        expected = measured.cop[foot]
+        if found.cop is None:
+            assert not np.isfinite(expected).all()
+            continue
+        np.testing.assert_allclose(found.cop, expected, rtol=1e-9, atol=1e-9)
+        assert found.extrapolating == measured.extrapolating[foot]
 
 
 def test_batches_equal_single_samples(shoe: Shoe) -> None:

@@ -15,7 +15,7 @@ from shoecal_core.estimation.expected import ErrorModel
 from shoecal_core.planning.posture import stance
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.kinematics import BodyStates, Kinematics
-from shoecal_core.shoe.instant import InstantSensing
+from shoecal_core.shoe.sensing import Sensing
 from shoecal_core.shoe.shoe import Shoe, load_shoe
 from shoecal_core.shoe.wrench import ChannelParameters, at_cop, to_left, weight_below
 from shoecal_ros.calibrator.force_samples import STANCE, ForceSamples
@@ -151,13 +151,11 @@ def test_covariances_are_those_of_draws() -> None:
     assert made.covariance is not None
     rng = np.random.default_rng(5)
     drawn = rng.multivariate_normal(np.zeros(16), made.covariance, size=20_000)
-    law = made.parameters
+    law, fitted = made.parameters, made.sensing(shoe)
     wrenches = []
     for change in drawn:
         other = ChannelParameters(law.gain + change[:8], law.offset + change[8:])
-        sensing = made.sensing(shoe)
-        sensing.parameters = other
-        foot, _ = InstantSensing(sensing).measure(readings.tolist())
+        foot, _ = Sensing(fitted.shoe, other, fitted.corrections).measure_instant(readings.tolist())
         assert foot.cop is not None
         wrenches.append((foot.force, *foot.cop))
     spread = np.cov(np.array(wrenches).T)

@@ -7,7 +7,7 @@ from geometry_msgs.msg import PointStamped, WrenchStamped
 
 from ros.bodies import nao_shoe
 from ros.world import World
-from shoecal_core.shoe.instant import FootInstant
+from shoecal_core.shoe.sensing import FootInstant
 from shoecal_ros.calibrator.live import Live
 from shoecal_ros.calibrator.live_publishers import LivePublishers
 from shoecal_ros.common import qos

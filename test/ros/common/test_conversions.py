@@ -20,8 +20,9 @@ from shoecal_core.robot.double_support import FARTHEST_M, DoubleSupport
 from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.shoe.correction import CopCorrection
 from shoecal_ros.common import conversions
-from shoecal_ros.common.conversions import JointSample, MessageError, VoltageFrame
+from shoecal_ros.common.conversions import JointSample, MessageError
 from shoecal_ros.common.origin import Origin
+from shoecal_ros.common.voltage_frame import VoltageFrame
 
 FloatArray = NDArray[np.float64]
 STAMPS = st.integers(0, 2**31 * 10**9 - 1)

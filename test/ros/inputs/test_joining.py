@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from ros.clock import Clock
 from shoecal_ros.common.codes import Code
-from shoecal_ros.common.conversions import VoltageFrame
+from shoecal_ros.common.voltage_frame import VoltageFrame
 from shoecal_ros.inputs.arrival_monitor import SILENT_PERIODS
 from shoecal_ros.inputs.joining import (
     NO_DATA,

@@ -7,7 +7,8 @@ from sensor_msgs.msg import JointState
 from ros.bodies import nao
 from ros.clock import Clock
 from shoecal_ros.common.codes import Code
-from shoecal_ros.common.conversions import VoltageFrame, header_to_ros
+from shoecal_ros.common.conversions import header_to_ros
+from shoecal_ros.common.voltage_frame import VoltageFrame
 from shoecal_ros.inputs.joining import FrameJoiner
 from shoecal_ros.inputs.joints import JointInput
 from shoecal_ros.inputs.one_clock import OneClock

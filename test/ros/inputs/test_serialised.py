@@ -6,7 +6,8 @@ from rclpy.serialization import deserialize_message, serialize_message
 from shoecal_msgs.msg import ShoeVoltages
 
 from shoecal_ros.common.codes import Code, Problem
-from shoecal_ros.common.conversions import VoltageFrame, voltages_from_ros
+from shoecal_ros.common.conversions import voltages_from_ros
+from shoecal_ros.common.voltage_frame import VoltageFrame
 from shoecal_ros.inputs.serialised import understood
 
 
