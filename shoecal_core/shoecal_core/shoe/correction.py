@@ -22,6 +22,8 @@ from shoecal_core.shoe.shoe import FEET, Shoe
 FloatArray = NDArray[np.float64]
 N = TypeVar("N", float, FloatArray)
 """The value at one instant, or an array of many: the same equations serve both."""
+ROUNDING = 1e-9
+"""Of a range: what it was trained on is not outside because it was summed in another order."""
 POLYNOMIAL = 4
 """Terms of the second-order polynomial in one direction."""
 
@@ -93,8 +95,9 @@ class CopCorrection:
 
     @cached_property
     def _ranges(self) -> list[tuple[float, float]]:
-        low, high = np.hstack((self.cop_range, self.output_range)).tolist()
-        return list(zip(low, high, strict=True))
+        low, high = np.hstack((self.cop_range, self.output_range))
+        rounded = ROUNDING * (high - low)
+        return list(zip((low - rounded).tolist(), (high + rounded).tolist(), strict=True))
 
 
 def corrected_channels(shoe: Shoe, foot: int) -> NDArray[np.int64]:

@@ -230,7 +230,7 @@ class Adapter(ShoecalNode):
         if off[joint] > JOIN_RAD:
             raise ShoecalError(
                 f"joint '{names[joint]}' begins {off[joint]:.3g} rad from where it is "
-                f"(at most {JOIN_RAD:g} rad); plan from where the robot stands"
+                f"(at most {JOIN_RAD:g} rad); send one that begins where the robot stands"
             )
 
     def _check_rates(self, trajectory: JointTrajectory, measured: FloatArray) -> None:
