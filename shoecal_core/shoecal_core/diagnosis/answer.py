@@ -21,7 +21,7 @@ from shoecal_core.diagnosis.selection import (
     without,
 )
 from shoecal_core.diagnosis.settings import DiagnosisSettings
-from shoecal_core.diagnosis.shrink import excess, gap, judged, shrink
+from shoecal_core.diagnosis.shrink import FORCE_AND_PLACE, excess, gap, judged, shrink
 from shoecal_core.diagnosis.sizes import sizes
 from shoecal_core.diagnosis.tempering import needed, shares, temper
 from shoecal_core.diagnosis.workspace import Workspace
@@ -103,8 +103,7 @@ def borne_out(
     if chosen is None:
         return found, ()
     found = replace(
-        found,
-        predicted=tuple(_predicted(workspace, found, at) for at in range(len(chosen.parts))),
+        found, predicted=tuple(_predicted(workspace, found, at) for at in range(len(chosen.parts)))
     )
     for index, (hypothesis, form) in reversed(list(enumerate(chosen.parts))):
         probable = sum(one.probability for one in probabilities(found, index))
@@ -112,8 +111,8 @@ def borne_out(
         if probable < (LIKELY if index else 1.0 - settings.false_alarms):
             why = f"with {1.0 - probable:.0%} it is an error that any robot may be built with"
         if _judged_by_others(workspace, form):
-            each = taken(workspace, chosen, index, workspace.test, (GRF, COP))
-            ((_, gone, added),) = taken(workspace, chosen, index, workspace.test)
+            parts = (GRF, COP, FORCE_AND_PLACE)
+            *each, (_, gone, added) = taken(workspace, chosen, index, workspace.test, parts)
             shrinks = any(less >= TAKEN_FROM * there > 0.0 for there, less, _ in each)
             shrinks = shrinks and gone >= CLAIMED * added
             if not shrinks or found.predicted[index] <= 0.0:

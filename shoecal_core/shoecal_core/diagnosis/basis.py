@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.diagnosis.rows import Rows
+from shoecal_core.diagnosis.rows import Rows, at_levels
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -58,9 +58,7 @@ class Basis:
 
     def prior(self, levels: FloatArray) -> FloatArray:
         """(q,) precision where families are at these levels (F,)."""
-        level = np.where(self.family < 0, 1.0, levels[np.maximum(self.family, 0)])
-        found: FloatArray = self.precision * level**-2.0
-        return found
+        return at_levels(self.precision, self.family, levels)
 
     def normal(self, weight: FloatArray) -> FloatArray:
         """(q, q) normal matrix of the columns under weights (G,), its lower triangle alone."""

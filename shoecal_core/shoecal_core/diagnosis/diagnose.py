@@ -60,27 +60,28 @@ def diagnose(
     settings: DiagnosisSettings | None = None,
     tolerances: Tolerances | None = None,
     *,
+    weight_kg: float | None = None,
     rezero: bool = False,
     without: frozenset[str] = frozenset(),
     only: Callable[[str, Place], bool] | None = None,
     effects: Sequence[Effect] = EFFECTS,
     data: SessionData | None = None,
-    weight_known: bool = False,
     progress: Progress = no_progress,
 ) -> Diagnosis:
     """Find where model and reality differ, and why.
 
     Args:
         session: recorded.
-        train, test: runs; see `split_runs`. Test runs touch no fit and no ranking.
+        train, test: runs; see `split_runs`. Test runs touch no fit; how well the fits predict them
+            counts in the ranking, and decides what is named.
         settings: what the user decides.
         tolerances: how far a robot that works may be off its files.
+        weight_kg: of robot and shoes, in place of the robot file's [kg].
         rezero: take each run with its own zeros, where a foot hangs in it.
         without: families of signals left out (`signals.FAMILIES`).
         only: whether to look for an effect at a place; None: everywhere (see `Wanted`).
         effects: the library.
-        data: of exactly these runs, where it was loaded already.
-        weight_known: whether that robot's weight is not looked for, as it comes from a scale.
+        data: of exactly these runs, where it was loaded already, with the same weight.
         progress: see `Progress`.
 
     Raises:
@@ -94,6 +95,7 @@ def diagnose(
             session,
             (*train, *test),
             CalibrationSettings(),
+            weight_kg=weight_kg,
             all_readable=False,
             progress=lambda text, share: progress(text, 0.2 * share),
         )
@@ -119,7 +121,7 @@ def diagnose(
     if only is None:
         known = measure(
             data, samples, () if rezero else zeros, train,
-            workspace.signal_model.parameters, settings, weighs=not weight_known,
+            workspace.signal_model.parameters, settings, weighs=weight_kg is None,
         )  # fmt: skip
     corrected = workspace
     if halted is not None or known:

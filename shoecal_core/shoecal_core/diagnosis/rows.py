@@ -108,9 +108,7 @@ class Rows:
 
     def prior(self, levels: FloatArray) -> FloatArray:
         """(p,) precision where families are at these levels (F,)."""
-        level = np.where(self.family < 0, 1.0, levels[np.maximum(self.family, 0)])
-        found: FloatArray = self.precision * level**-2.0
-        return found
+        return at_levels(self.precision, self.family, levels)
 
     @cached_property
     def _gains(self) -> tuple[tuple[IntArray, FloatArray, FloatArray], ...]:
@@ -130,6 +128,19 @@ class Rows:
             scale = float(measured @ now) / float(measured @ measured)
             found[groups] = np.clip(scale, LEAST_SCALE, MOST_SCALE)
         return found
+
+
+def at_levels(precision: FloatArray, family: IntArray, levels: FloatArray) -> FloatArray:
+    """(k,) precision of priors that have another (k,) at level 1.
+
+    Args:
+        precision: that one.
+        family: (k,) of errors as built; -1 for what belongs to none.
+        levels: (F,) of the families.
+    """
+    level = np.where(family < 0, 1.0, levels[np.maximum(family, 0)])
+    found: FloatArray = precision * level**-2.0
+    return found
 
 
 def make_rows(

@@ -1,4 +1,4 @@
-"""How far the gap shrinks on runs that no fit and no ranking has seen."""
+"""How far the gap shrinks on runs that no fit has seen."""
 
 from __future__ import annotations
 

@@ -57,7 +57,7 @@ class Posterior:
         """(p,) or (p, m) C times right sides."""
         return self.unwhiten(self.whiten(right))
 
-    @cached_property
+    @property
     def root(self) -> FloatArray:
         """(p, p) H', a square root of C."""
         return self.whiten(np.eye(len(self.precision))).T
@@ -65,7 +65,8 @@ class Posterior:
     @cached_property
     def covariance(self) -> FloatArray:
         """(p, p) C."""
-        covariance: FloatArray = self.root @ self.root.T
+        root = self.root
+        covariance: FloatArray = root @ root.T
         return covariance
 
     @cached_property

@@ -42,7 +42,7 @@ class SessionData:
 
     Attributes:
         session: it was read from.
-        robot, shoe: what it was recorded with.
+        kinematics, shoe: of what it was recorded with.
         runs: by number, as recorded.
         recorded: of each the readings, with the model's values by the stamps as they are.
         aligned: the same without the time offset that the screening found.
@@ -56,7 +56,7 @@ class SessionData:
     """
 
     session: Session
-    robot: Robot
+    kinematics: Kinematics
     shoe: Shoe
     runs: Mapping[int, Run]
     recorded: Mapping[int, Aligned]
@@ -67,6 +67,11 @@ class SessionData:
     hanging: frozenset[int] = frozenset()
     weighed: Weighed | None = None
     problems: Mapping[int, str] = field(default_factory=dict)
+
+    @property
+    def robot(self) -> Robot:
+        """Shoes on."""
+        return self.kinematics.robot
 
     def of(self, runs: Sequence[int]) -> list[Stance]:
         """Stances of some runs."""
@@ -80,7 +85,7 @@ class SessionData:
         if walks or self.screening.fails:
             return None
         kept, air = self.screening.kept, self.screening.air
-        return make_samples(read, self.shoe, Kinematics(self.robot), SAMPLING, kept, air)
+        return make_samples(read, self.shoe, self.kinematics, SAMPLING, kept, air)
 
     def whole_samples(self, settings: SampleSettings) -> Samples:
         """Means of all that was recorded, by the stamps as they are, with notes.
@@ -100,7 +105,7 @@ class SessionData:
                 read.append((run, self.recorded[number]))
             except RecordingError as error:
                 notes.append(f"run {number} is left out: {error}")
-        samples = make_samples(read, self.shoe, Kinematics(self.robot), settings, notes=notes)
+        samples = make_samples(read, self.shoe, self.kinematics, settings, notes=notes)
         if samples is None:
             reasons = "; ".join(notes) or "record some"
             raise SessionError(self.session.folder, f"no run can be used: {reasons}")
@@ -169,7 +174,9 @@ def load_data(
     loaded = {number: run for number, run in read.items() if not run.info.hanging}
     aligned, screening = recorded, Screening()
     if settings is not None:
-        standing = {number: recorded[number] for number, run in read.items() if run.info.support}
+        standing = {
+            number: recorded[number] for number, run in read.items() if run.info.support is not None
+        }
         late = time_offset(standing, shoe, robot.weight, settings)
         if late != 0.0:
             aligned = {}
@@ -187,7 +194,7 @@ def load_data(
             stances[number] = tuple(stances_of(run, aligned[number], shoe, kinematics, screening))
     return SessionData(
         session=session,
-        robot=robot,
+        kinematics=kinematics,
         shoe=shoe,
         runs=read,
         recorded=recorded,

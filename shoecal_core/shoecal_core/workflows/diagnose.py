@@ -142,12 +142,12 @@ def do(job: DiagnosisRequest, progress: Progress = no_progress) -> Diagnosed:
         test,
         job.settings,
         job.tolerances,
+        weight_kg=job.weight_kg,
         rezero=job.rezero,
         without=job.without,
         only=job.wanted if job.only else None,
         effects=effects,
         data=data,
-        weight_known=job.weight_kg is not None,
         progress=lambda text, share: progress(text, max(READ_TO, SIMULATED_FROM * share)),
     )
     if job.simulate and found.causes:

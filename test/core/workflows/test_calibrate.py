@@ -18,6 +18,7 @@ from shoecal_core.estimation.series import errors, measured_series, modelled_ser
 from shoecal_core.estimation.session_data import SessionData
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.screening.verdict import Finding, Verdict
 from shoecal_core.workflows import calibrate as pipeline
@@ -34,7 +35,7 @@ def verdict(supports: Sequence[DoubleSupport], findings: Sequence[Finding] = ())
     stages = self_calibrate(shoe, runs, SETTINGS)
     data = SessionData(
         session=Session(Path("none"), "nao", "nao_shoe", None, []),
-        robot=robot,
+        kinematics=Kinematics(robot),
         shoe=shoe,
         stances={run.run: (run,) for run in runs},
         runs={},
