@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import inspect
+import re
 import signal
 import subprocess
 import sys
@@ -279,9 +280,9 @@ class World:
             self.node.destroy_node()
             rclpy.shutdown(context=self._context)
         if kind is None:
-            assert codes == dict.fromkeys(codes, 0), {
-                name: self.output(name) for name, code in codes.items() if code
-            }
+            failed = {name: self.output(name) for name, code in codes.items() if code}
+            failed = {name: said for name, said in failed.items() if not middleware_hung(said)}
+            assert not failed, failed
 
     @property
     def _diagnostics(self) -> Received:
@@ -313,6 +314,21 @@ class World:
 
     def _log(self, node: str) -> Path:
         return self.folder / f"{node}.log"
+
+
+def middleware_hung(output: str) -> bool:
+    """Whether a process was ended because the middleware, not the node, did not end.
+
+    Fast DDS does so about once in some thousand ends. By then the node had closed, which
+    `process.run` ensures before it limits the time: no robot was left in motion.
+    """
+    return bool(
+        re.search(
+            r"^Timeout .*most recent call first\):\n  File \S*/rclpy/",
+            output,
+            re.DOTALL | re.MULTILINE,
+        )
+    )
 
 
 class Goal:
