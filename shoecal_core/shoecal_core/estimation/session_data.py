@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.data_sheets import without_sheets
@@ -34,6 +35,8 @@ from shoecal_core.screening.result import Screening
 from shoecal_core.screening.screen import screen
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.shoe.shoe import Shoe
+
+FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -105,11 +108,23 @@ class SessionData:
                 read.append((run, self.recorded[number]))
             except RecordingError as error:
                 notes.append(f"run {number} is left out: {error}")
-        samples = make_samples(read, self.shoe, self.kinematics, settings, notes=notes)
+        samples = make_samples(
+            read, self.shoe, self.kinematics, settings, load=self._load(), notes=notes
+        )
         if samples is None:
             reasons = "; ".join(notes) or "record some"
             raise SessionError(self.session.folder, f"no run can be used: {reasons}")
         return replace(samples, notes=(*notes, *missing(samples)))
+
+    def _load(self) -> dict[int, FloatArray]:
+        """(T, 2) by run, what each foot carries at the readings as recorded, where it is known."""
+        return {
+            run: np.stack(
+                [np.interp(self.recorded[run].time, self.aligned[run].time, one) for one in load.T],
+                axis=1,
+            )
+            for run, load in self.screening.load.items()
+        }
 
     def _loaded(self) -> list[tuple[int, Run]]:
         """Runs in which a foot carries the robot."""

@@ -32,6 +32,11 @@ LIFT_M, LIFT_RAD = 0.003, 0.03
 """A foot that is this much higher or more tilted than it mostly is does not stand."""
 TRANSIT_S = 0.8
 """Around lifting and landing, samples are left out for this long."""
+GIVE_M = 0.01
+"""Gears that give and have play lift a standing foot by less, as its joints have it."""
+STANDS_SHARE = 0.1
+"""A foot that carries more of the weight is not in the air: gains and offsets that are roughly
+known tell it from one that carries nothing."""
 FREE_SHARE = 0.6
 """A foot hangs free above this share of the height that it is lifted to: gears that give make
 that height a little less than it seems."""
@@ -80,16 +85,19 @@ def lifted(states: BodyStates) -> BoolArray:
     return high
 
 
-def hanging_foot(aligned: Aligned, air: BoolArray, robot: Robot, shoe: Shoe) -> IntArray:
+def hanging_foot(
+    aligned: Aligned, air: BoolArray, robot: Robot, shoe: Shoe, load: FloatArray | None = None
+) -> IntArray:
     """(T,) index of the foot that hangs, the one farther from the CoM; -1 where none does.
 
-    One whose load changes while it is highest is not in the air: gears that give and soft floors
-    make a foot that stands look lifted.
+    One that carries load while it is highest, or whose load changes, is not in the air: gears that
+    give and soft floors make a foot that stands look lifted.
 
     Args:
         aligned: T samples.
         air: (T,) one foot is in the air, by the joints.
         robot, shoe: of what was recorded.
+        load: (T, 2) what each foot carries as a share of the weight, where that is known.
     """
     com = aligned.states.com[:, :, :2]
     away = [
@@ -101,7 +109,11 @@ def hanging_foot(aligned: Aligned, air: BoolArray, robot: Robot, shoe: Shoe) -> 
     for part in unchanged(hanging):
         foot = int(hanging[part[0]])
         free = part[height[part] > FREE_SHARE * height[part].max()]
-        if foot >= 0 and moves(shoe, aligned.readings, free, foot):
+        if foot < 0:
+            continue
+        slack = height[part].max() < GIVE_M
+        stands = load is not None and slack and np.median(load[free, foot]) > STANDS_SHARE
+        if stands or moves(shoe, aligned.readings, free, foot):
             hanging[part] = -1
     return hanging
 

@@ -42,6 +42,7 @@ def make_samples(
     settings: SampleSettings,
     kept: Mapping[int, BoolArray] | None = None,
     air: Mapping[int, BoolArray] | None = None,
+    load: Mapping[int, FloatArray] | None = None,
     notes: list[str] | None = None,
 ) -> Samples | None:
     """Samples of runs that were read and aligned; None where no run gives any.
@@ -53,10 +54,12 @@ def make_samples(
         kept: by run, (T,) which of the aligned readings count; all of runs that are not listed.
         air: by run, (T,) at which of them one foot hangs free, none in runs that are not listed;
             None: where heights say so.
+        load: by run, (T, 2) what each foot carries as a share of the weight; a foot that carries
+            is not in the air. Runs that are not listed: not known.
         notes: takes why runs are left out.
     """
     notes = [] if notes is None else notes
-    parts = _parts(read, kinematics, shoe, settings, kept or {}, air, notes)
+    parts = _parts(read, kinematics, shoe, settings, kept or {}, air, load or {}, notes)
     return _joined(parts, shoe, kinematics) if parts else None
 
 
@@ -67,6 +70,7 @@ def _parts(
     settings: SampleSettings,
     kept: Mapping[int, BoolArray],
     air: Mapping[int, BoolArray] | None,
+    load: Mapping[int, FloatArray],
     notes: list[str],
 ) -> list[_Part]:
     """Samples of each run that has any; of the others it is noted why not."""
@@ -87,8 +91,8 @@ def _parts(
                 else air.get(run.info.run, ~everything)
             )
             part = _part(
-                run, aligned, counts, hangs, kinematics, shoe, settings, rate, at, segments,
-                first_ns,
+                run, aligned, counts, hangs, load.get(run.info.run), kinematics, shoe, settings,
+                rate, at, segments, first_ns,
             )  # fmt: skip
         except ShoecalError as error:
             notes.append(f"run {run.info.run} is left out: {error}")
@@ -171,6 +175,7 @@ def _part(
     aligned: Aligned,
     counts: BoolArray,
     hangs: BoolArray,
+    load: FloatArray | None,
     kinematics: Kinematics,
     shoe: Shoe,
     settings: SampleSettings,
@@ -187,7 +192,8 @@ def _part(
     time = aligned.time
     walk = find_walk(run, aligned, shoe, robot) if run.info.support is None else None
     if walk is None:
-        stance, loaded = _stances(aligned, hangs, robot, shoe, settings)
+        load = None if load is None else load[thin]
+        stance, loaded = _stances(aligned, hangs, load, robot, shoe, settings)
     else:
         stance, loaded = walk.stance, walk.loaded
     key = np.floor(time * rate) if walk is None else pieces(time, stance, rate)
@@ -254,11 +260,16 @@ def _averaged(values: FloatArray, width: int) -> FloatArray:
 
 
 def _stances(
-    aligned: Aligned, air: BoolArray, robot: Robot, shoe: Shoe, settings: SampleSettings
+    aligned: Aligned,
+    air: BoolArray,
+    load: FloatArray | None,
+    robot: Robot,
+    shoe: Shoe,
+    settings: SampleSettings,
 ) -> tuple[IntArray, BoolArray]:
     """Number of the stance of each sample, -1 between two; and which feet carry each stance."""
     time = aligned.time
-    hanging = hanging_foot(aligned, air, robot, shoe)
+    hanging = hanging_foot(aligned, air, robot, shoe, load)
     air = hanging >= 0
     near = np.zeros(len(air), dtype=bool)
     margin = max(1, round(TRANSIT_S * _rate(time)))

@@ -13,6 +13,7 @@ from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.verdict import Finding
 
 BoolArray = NDArray[np.bool_]
+FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -59,6 +60,8 @@ class Screening:
         standing: (T,) of them: those at which both feet stand where they stood at first.
         air: (T,) of them, in runs that lift a foot: those at which it hangs free, as heights and
             load agree.
+        load: (T, 2) of them, in double support: each foot's share of the weight, by gains and
+            offsets that are roughly known by then.
         time_offset: joints were late by this much against the readings, and are so no more [s].
     """
 
@@ -68,6 +71,7 @@ class Screening:
     kept: Mapping[int, BoolArray] = field(default_factory=dict)
     standing: Mapping[int, BoolArray] = field(default_factory=dict)
     air: Mapping[int, BoolArray] = field(default_factory=dict)
+    load: Mapping[int, FloatArray] = field(default_factory=dict)
     time_offset: float = 0.0
 
     @property

@@ -90,6 +90,7 @@ def screen_standing(
     fitting = {run: one for run, one in rows.items() if run not in {one.run for one in wrong}}
     parameters = solve(reweighed(fitting, information), information).parameters
     watch = _Watch(shoe, parameters, weight, settings, ended)
+    found = replace(found, load={run: watch.load(one) for run, one in aligned.items()})
     moments = {run: watch.moments(aligned[run], parts[run], lifting[run]) for run in fitting}
     slipped = _slipped(moments)
     found = found.adding(words.of_slips(slipped))
@@ -175,12 +176,21 @@ class _Watch:
         }
         return _Moments(marked, jumps.spikes, air, tuple(calm))
 
+    def load(self, aligned: Aligned) -> FloatArray:
+        """(T, 2) each foot's share of the weight."""
+        share: FloatArray = self._carried(aligned.readings) / self.weight
+        return share
+
+    def _carried(self, readings: FloatArray) -> FloatArray:
+        """(T, 2) vertical force on each foot, for readings (T, n) [N]."""
+        return foot_wrenches(self.shoe, self.parameters.outputs(readings))[..., 0]
+
     def _hangs(self, lifting: LiftedFoot, readings: FloatArray) -> bool:
         """Whether the foot that was lifted carries nothing meanwhile."""
         if not lifting.air.any():
             return False
-        carried = foot_wrenches(self.shoe, self.parameters.outputs(readings[lifting.air]))
-        return abs(float(np.median(carried[:, lifting.foot, 0]))) < FREE_SHARE * self.weight
+        carried = self._carried(readings[lifting.air])[:, lifting.foot]
+        return abs(float(np.median(carried))) < FREE_SHARE * self.weight
 
     def _at_end(self, readings: FloatArray, trembling: FloatArray) -> BoolArray:
         there = at_ends(self.shoe, readings).any(axis=1)

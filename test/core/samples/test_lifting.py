@@ -203,3 +203,34 @@ def test_joints_may_lift_a_foot_long_before_gears_that_give_let_it_go(
     pressed[air] += np.sin(5.0 * one.time[air])[:, None] * np.ptp(one.readings, axis=0)
     still = hanging_foot(replace(one, readings=pressed), air, robot, whole.shoe)
     assert (still == -1).all()
+
+
+@pytest.mark.parametrize("foot", [0, 1])
+@pytest.mark.parametrize(
+    ("seems", "share", "stands"),
+    [(0.006, 0.3, True), (0.006, 0.02, False), (0.02, 0.3, False)],
+    ids=["carries", "carries nothing", "higher than gears let it seem"],
+)
+def test_a_foot_that_carries_load_stands_though_joints_lift_it(
+    whole: Recording, foot: int, seems: float, share: float, stands: bool
+) -> None:
+    one = lifting(whole, foot)
+    translation = one.states.translation.copy()
+    rise = (seems / HEIGHT - 1.0) * height(one.time)
+    translation[:, 2] += rise * (1.0 if foot == 1 else -1.0)
+    one = replace(one, states=replace(one.states, translation=translation))
+    up = height(one.time) > 0.9 * HEIGHT
+    load = np.full((len(one.time), 2), 0.5)
+    load[up, foot], load[up, 1 - foot] = share, 1.0 - share
+    robot = load_robot(config_dir() / "robots" / "nao.yaml", whole.shoe)
+    found = hanging_foot(one, up, robot, whole.shoe, load)
+    assert (found[up] == (-1 if stands else foot)).all()
+
+
+def test_screening_knows_what_each_foot_carries(whole: Recording) -> None:
+    """To a few per cent of the weight: enough to tell a foot that hangs from one that stands."""
+    carried = 0.25
+    _, screening = made(whole, "landmarks", lifting(whole, 0, carried=carried))
+    up = (whole.aligned[RUN].time > UP + 1.0) & (whole.aligned[RUN].time < DOWN - 1.0)
+    share = screening.load[RUN][up].mean(axis=0)
+    np.testing.assert_allclose(share, (carried, 1.0 - carried), atol=0.05)
