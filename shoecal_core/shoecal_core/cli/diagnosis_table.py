@@ -9,7 +9,7 @@ from rich.table import Table
 
 from shoecal_core.cli.tables import new_table
 from shoecal_core.diagnosis.budget import LEAST_SHARE
-from shoecal_core.diagnosis.result import VERDICT_TEXTS, Cause, Diagnosis, Size
+from shoecal_core.diagnosis.result import VERDICT_TEXTS, Diagnosis, Size
 from shoecal_core.report.diagnosis_words import finding_text
 from shoecal_core.workflows.diagnose import CalibratedGap, Diagnosed
 
@@ -39,7 +39,7 @@ def print_diagnosis(
         console.print(f"  {line}", markup=False)
     if diagnosis.causes:
         console.print()
-        console.print(causes_table(diagnosis.causes))
+        console.print(causes_table(diagnosis))
     if len(diagnosis.ambiguity) > 1:
         alike = "; ".join(f"{one.label} {one.probability:.0%}" for one in diagnosis.ambiguity)
         console.print(f"not separable: {alike}", markup=False, soft_wrap=True)
@@ -56,15 +56,15 @@ def print_diagnosis(
             console.print(f"{name}: {text}", markup=False, soft_wrap=True)
 
 
-def causes_table(causes: Sequence[Cause]) -> Table:
+def causes_table(diagnosis: Diagnosis) -> Table:
     """A line a cause; a component of its size below each other."""
-    table = new_table("What explains it")
+    table = new_table("What explains it" if diagnosis.named else "What was asked for")
     for name, justify in (
         ("cause", "left"), ("probability", "right"), ("size (95 %)", "left"),
         ("gap shrinks by", "right"), ("simulated", "right"), ("hidden CoP (mm)", "right"),
     ):  # fmt: skip
         table.add_column(name, justify=justify)  # type: ignore[arg-type]
-    for cause in causes:
+    for cause in diagnosis.causes:
         low, high = cause.shrink.ci95
         where = "" if cause.run is None else f", run {cause.run}"
         table.add_row(

@@ -15,7 +15,10 @@ def action(diagnosis: Diagnosis) -> Action:
     gap = diagnosis.gap
     before = gap.cop_mae_mm
     if diagnosis.verdict == "no_gap":
-        return Action("nothing: CoP and GRF are those of a robot as built", (before, before))
+        return Action(
+            "nothing: CoP and GRF agree with the model as well as on any robot that works",
+            (before, before),
+        )
     if not diagnosis.named:
         return Action(f"look for what is off {_where(diagnosis)}", (before, gap.cop_floor_mm))
     shrink = diagnosis.shrink or diagnosis.causes[0].shrink

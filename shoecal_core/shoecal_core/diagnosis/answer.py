@@ -35,6 +35,9 @@ LIKELY = 0.5
 TAKEN_FROM = 1.0 / 3.0
 """Part of what GRF or CoP are off on runs left out that must go with a cause: one that takes less,
 however surely, leaves the gap unexplained."""
+LEAST_EXCESS = 0.25
+"""Excess on runs left out from which there is something to take: errors 12 % larger than expected.
+Floors are known no better, and nobody would mend less."""
 CLAIMED = 0.5
 """Part of what a cause adds to CoP and GRF on runs left out by which their gap is smaller with it:
 2 / s - 1 where it is s times its true size there, negative where it has nothing to do with it."""
@@ -93,8 +96,8 @@ def borne_out(
 ) -> tuple[Selection, tuple[str, ...]]:
     """Without causes that runs left out do not bear out, or in whose place there may be nothing.
 
-    Where the first one is, a robot as built has to be improbable enough; where a further one is,
-    it has to be likely that anything is there at all.
+    Where the first one is, a robot as built has to be improbable enough; a further one has to be
+    likely by itself, since what cannot be told from it is listed of the first one alone.
 
     Returns:
         What stays, and in words what went.
@@ -106,19 +109,24 @@ def borne_out(
         found, predicted=tuple(_predicted(workspace, found, at) for at in range(len(chosen.parts)))
     )
     for index, (hypothesis, form) in reversed(list(enumerate(chosen.parts))):
-        probable = sum(one.probability for one in probabilities(found, index))
+        rivals = probabilities(found, index)
+        probable = sum(one.probability for one in rivals)
+        own = sum(one.probability for one in rivals if one.effect == hypothesis.effect.identifier)
         why, other = "", found.other
         if probable < (LIKELY if index else 1.0 - settings.false_alarms):
             why = f"with {1.0 - probable:.0%} it is an error that any robot may be built with"
+        elif index and own < LIKELY:
+            why = f"with {1.0 - own:.0%} it is another effect that comes on top"
         if _judged_by_others(workspace, form):
             parts = (GRF, COP, FORCE_AND_PLACE)
             *each, (_, gone, added) = taken(workspace, chosen, index, workspace.test, parts)
-            shrinks = any(less >= TAKEN_FROM * there > 0.0 for there, less, _ in each)
+            off = [(there, less) for there, less, _ in each if there > LEAST_EXCESS]
+            shrinks = any(less >= TAKEN_FROM * there for there, less in off)
             shrinks = shrinks and gone >= CLAIMED * added
             if not shrinks or found.predicted[index] <= 0.0:
                 why = "explains training runs, but test runs do not confirm it"
                 # Not that, but something: a robot as built is as improbable as before.
-                if any(there > 0.0 for there, _, _ in each):
+                if off:
                     other = max(other, chosen.evidence)
         if why:
             left = replace(without(workspace, found, index), other=other)

@@ -56,7 +56,7 @@ def causes_table(diagnosis: Diagnosis) -> Table:
                 f"offsets were fitted around it, {size(shown, 'mm')} of it still showed."
             )
     return Table(
-        "What was found",
+        "What was found" if diagnosis.named else "What was asked for",
         ("effect and place", "what it does", "class", "size", "probability", "hidden"),
         tuple(
             (candidate_text(cause), words_of(cause.effect).state, name_of(cause.group),

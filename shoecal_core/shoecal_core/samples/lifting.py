@@ -37,6 +37,8 @@ GIVE_M = 0.01
 STANDS_SHARE = 0.1
 """A foot that carries more of the weight is not in the air: gains and offsets that are roughly
 known tell it from one that carries nothing."""
+BOTH_STAND, NEITHER = -1, -2
+"""In place of a foot's index: none hangs; or one may hang, stand on an edge, or elsewhere."""
 FREE_SHARE = 0.6
 """A foot hangs free above this share of the height that it is lifted to: gears that give make
 that height a little less than it seems."""
@@ -88,10 +90,11 @@ def lifted(states: BodyStates) -> BoolArray:
 def hanging_foot(
     aligned: Aligned, air: BoolArray, robot: Robot, shoe: Shoe, load: FloatArray | None = None
 ) -> IntArray:
-    """(T,) index of the foot that hangs, the one farther from the CoM; -1 where none does.
+    """(T,) index of the foot that hangs, BOTH_STAND, or NEITHER where that is not known.
 
-    One that carries load while it is highest, or whose load changes, is not in the air: gears that
-    give and soft floors make a foot that stands look lifted.
+    It is the one farther from the CoM. One that carries load while it is highest, or whose load
+    changes, is not in the air: gears that give and soft floors make a foot that stands look lifted.
+    One that landed where joints still lift it stands on an edge, or elsewhere.
 
     Args:
         aligned: T samples.
@@ -104,17 +107,24 @@ def hanging_foot(
         np.linalg.norm(com[:, foot] - one.outline.mean(axis=0), axis=1)
         for foot, one in enumerate(robot.feet)
     ]
-    hanging = np.where(air, np.where(away[0] < away[1], 1, 0), -1)
+    hanging = np.where(air, np.where(away[0] < away[1], 1, 0), BOTH_STAND)
     height = height_change(aligned.states)
     for part in unchanged(hanging):
         foot = int(hanging[part[0]])
-        free = part[height[part] > FREE_SHARE * height[part].max()]
         if foot < 0:
             continue
-        slack = height[part].max() < GIVE_M
-        stands = load is not None and slack and np.median(load[free, foot]) > STANDS_SHARE
-        if stands or moves(shoe, aligned.readings, free, foot):
-            hanging[part] = -1
+        top = float(height[part].max())
+        free = part[height[part] > FREE_SHARE * top]
+        if load is not None:
+            carries = load[:, foot] > STANDS_SHARE
+            if not carries[free].mean() > 0.5:
+                hanging[part[carries[part]]] = NEITHER
+                free = free[~carries[free]]
+            elif top < GIVE_M:
+                hanging[part] = BOTH_STAND
+                continue
+        if moves(shoe, aligned.readings, free, foot):
+            hanging[part] = BOTH_STAND if load is None or top < GIVE_M else NEITHER
     return hanging
 
 

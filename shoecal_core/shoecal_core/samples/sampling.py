@@ -17,7 +17,13 @@ from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.contact import at_least_load
 from shoecal_core.samples.filters import evenly
 from shoecal_core.samples.known_weight import carried, with_mass
-from shoecal_core.samples.lifting import TRANSIT_S, hanging_foot, height_change
+from shoecal_core.samples.lifting import (
+    BOTH_STAND,
+    NEITHER,
+    TRANSIT_S,
+    hanging_foot,
+    height_change,
+)
 from shoecal_core.samples.momentum import standing_spin
 from shoecal_core.samples.samples import Samples, Track
 from shoecal_core.samples.settings import SampleSettings
@@ -270,7 +276,7 @@ def _stances(
     """Number of the stance of each sample, -1 between two; and which feet carry each stance."""
     time = aligned.time
     hanging = hanging_foot(aligned, air, robot, shoe, load)
-    air = hanging >= 0
+    air = hanging != BOTH_STAND
     near = np.zeros(len(air), dtype=bool)
     margin = max(1, round(TRANSIT_S * _rate(time)))
     off = height_change(aligned.states) > 0.3 * settings.lifted_m
@@ -279,7 +285,7 @@ def _stances(
         for edge in edges:
             near[max(0, edge - margin) : edge + margin + 1] = True
     standing = np.where(air, 2 - hanging, 0)
-    standing[near] = -1
+    standing[near | (hanging == NEITHER)] = -1
     gaps = np.concatenate(([0], np.cumsum(np.diff(time) > 1.0)))
     unloaded = at_least_load(shoe, aligned.readings)
     stance = np.full(len(time), -1)

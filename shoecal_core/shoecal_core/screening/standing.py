@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import median_filter
 
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.lifting import LiftedFoot, lifted
@@ -50,6 +51,8 @@ LEAST_SHARE = 0.4
 FREE_SHARE = 0.2
 """A foot that was lifted on purpose and carries more of the weight still touches something; the
 rough fit knows a foot's share no better."""
+CALM_S = 0.2
+"""Loads are medians of so long a time: no noise lifts a foot or puts it down."""
 LEAST_JUMP_STDS = 1.0
 """Smaller jumps do no harm, in the settings' standard deviations of the force."""
 
@@ -178,8 +181,10 @@ class _Watch:
 
     def load(self, aligned: Aligned) -> FloatArray:
         """(T, 2) each foot's share of the weight."""
-        share: FloatArray = self._carried(aligned.readings) / self.weight
-        return share
+        share = self._carried(aligned.readings) / self.weight
+        window = max(1, round(CALM_S / float(np.median(np.diff(aligned.time)))))
+        calm: FloatArray = median_filter(share, (window, 1), mode="nearest")
+        return calm
 
     def _carried(self, readings: FloatArray) -> FloatArray:
         """(T, 2) vertical force on each foot, for readings (T, n) [N]."""

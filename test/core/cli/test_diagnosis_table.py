@@ -10,7 +10,7 @@ from rich.console import Console
 from core.report.diagnoses import cause, diagnosis
 from shoecal_core.cli.diagnosis_table import print_diagnosis
 from shoecal_core.diagnosis.action import action
-from shoecal_core.diagnosis.result import Cause, Diagnosis
+from shoecal_core.diagnosis.result import Cause, Diagnosis, Verdict
 
 
 def first_line(found: Diagnosis) -> str:
@@ -43,4 +43,19 @@ def test_the_first_line_names_place_effect_probability_and_cure(one: Cause, line
 
 def test_without_a_cause_the_first_line_says_what_to_do() -> None:
     found = replace(diagnosis(), verdict="no_gap", causes=(), next_motion=None)
-    assert first_line(found) == "nothing: CoP and GRF are those of a robot as built"
+    assert (
+        first_line(found)
+        == "nothing: CoP and GRF agree with the model as well as on any robot that works"
+    )
+
+
+@pytest.mark.parametrize(
+    ("verdict", "title"), [("explained", "What explains it"), ("no_gap", "What was asked for")]
+)
+def test_what_was_only_asked_for_explains_nothing(verdict: Verdict, title: str) -> None:
+    found = replace(diagnosis(), verdict=verdict, next_motion=None)
+    assert found.causes
+    console = Console(width=200)
+    with console.capture() as printed:
+        print_diagnosis(found, None, console)
+    assert title in printed.get()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -103,6 +104,39 @@ def test_a_cause_must_take_what_it_says_on_test_runs(urn: Urn, true: float, name
     left, words = borne_out(drawn, found_in(drawn, "floor_tilt"), SETTINGS)
     assert (left.chosen is not None) == named
     assert len(words) == (not named)
+
+
+@pytest.mark.parametrize(("share", "named"), [(0.8, True), (0.2, False)])
+def test_a_further_cause_is_probable_by_itself(urn: Urn, share: float, named: bool) -> None:
+    """One that others explain as well is no second cause, however sure it is that one is there."""
+    truth = {**TILT, "latency (left)": [0.06]}
+    drawn = urn.draw(np.random.default_rng(5), truth)
+    first, second, rival = (
+        part(drawn, one) for one in ("floor_tilt", "latency (left)", "creep (left)")
+    )
+    counts = temper(SURE)
+    alike = tuple(
+        (one[0], SURE + math.log(probability) / counts)
+        for one, probability in ((second, share), (rival, 1.0 - share))
+    )
+    chosen = drawn.scorer.score([first, second])
+    alone = Judged(drawn.scorer.score([first]), SURE, drawn.scorer.nothing)
+    found = Selection(chosen, (((first[0], SURE),), alike), (alone,), -3.0)
+    left, words = borne_out(drawn, found, SETTINGS)
+    assert left.chosen is not None
+    assert len(left.chosen.parts) == 1 + named
+    assert len(words) == (not named)
+
+
+def test_where_nothing_is_off_on_test_runs_nothing_is_named(urn: Urn) -> None:
+    """What takes all of nearly nothing is no cause."""
+    drawn = urn.draw(np.random.default_rng(5), TILT)
+    calm = drawn.signal_model.residuals.copy()
+    calm[drawn.rows_of(drawn.test)] *= 0.01
+    quiet = urn.showing(calm)
+    left, words = borne_out(quiet, found_in(quiet, "floor_tilt"), SETTINGS)
+    assert left.chosen is None
+    assert len(words) == 1
 
 
 def test_the_next_one_is_named_where_test_runs_refute_the_first(

@@ -14,7 +14,9 @@ from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.lifting import (
+    BOTH_STAND,
     LEAST_AIR_S,
+    NEITHER,
     TRANSIT_S,
     UNLOADING,
     detect_lifted_foot,
@@ -202,7 +204,7 @@ def test_joints_may_lift_a_foot_long_before_gears_that_give_let_it_go(
     pressed = one.readings.copy()
     pressed[air] += np.sin(5.0 * one.time[air])[:, None] * np.ptp(one.readings, axis=0)
     still = hanging_foot(replace(one, readings=pressed), air, robot, whole.shoe)
-    assert (still == -1).all()
+    assert (still == BOTH_STAND).all()
 
 
 @pytest.mark.parametrize("foot", [0, 1])
@@ -224,7 +226,26 @@ def test_a_foot_that_carries_load_stands_though_joints_lift_it(
     load[up, foot], load[up, 1 - foot] = share, 1.0 - share
     robot = load_robot(config_dir() / "robots" / "nao.yaml", whole.shoe)
     found = hanging_foot(one, up, robot, whole.shoe, load)
-    assert (found[up] == (-1 if stands else foot)).all()
+    assert (found[up] == (BOTH_STAND if stands else foot)).all()
+
+
+@pytest.mark.parametrize("foot", [0, 1])
+def test_a_foot_that_landed_on_an_edge_neither_hangs_nor_stands(
+    whole: Recording, foot: int
+) -> None:
+    """Joints still lift it a little, and cells feel it: it stands elsewhere, or askew."""
+    one, robot = lifting(whole, foot), load_robot(config_dir() / "robots" / "nao.yaml", whole.shoe)
+    up = height(one.time) > 0.2 * HEIGHT
+    edge = ~up & (one.time > UP + WAY_S) & (one.time < DOWN + 2.0)
+    translation = one.states.translation.copy()
+    translation[edge, 2] += 0.4 * HEIGHT * (1.0 if foot == 1 else -1.0)
+    one = replace(one, states=replace(one.states, translation=translation))
+    load = np.full((len(one.time), 2), 0.5)
+    load[up, foot], load[up, 1 - foot] = 0.0, 1.0
+    found = hanging_foot(one, up | edge, robot, whole.shoe, load)
+    assert (found[up] == foot).all()
+    assert (found[edge] == NEITHER).all()
+    assert (found[~(up | edge)] == BOTH_STAND).all()
 
 
 def test_screening_knows_what_each_foot_carries(whole: Recording) -> None:

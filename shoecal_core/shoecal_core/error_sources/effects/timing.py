@@ -19,6 +19,11 @@ DELAYS = {0.02: (0.0, 0.06), 0.1: (0.04, 0.2), 0.25: (0.1, 0.5), 0.5: (0.2, 1.0)
 """s; each with the delays between which its form holds."""
 LAGS = {0.0: (0.0, np.inf), 0.1: (0.04, 0.2), 0.25: (0.1, 0.5), 0.5: (0.2, 1.0)}
 """s; the same of two lags together, of half the time each; at 0 it is one lag."""
+MEANS = {time: LAGS[time] for time in (0.1, 0.25, 0.5)}
+"""s; the same of running means one after the other."""
+MEANS_SPREAD = 0.1
+"""Variance of the times over which they average, over the square of their mean: 1/9 of three means,
+1/12 of four; 1 of a lag, 1/2 of two lags. Converters of load cells average so (sinc filters)."""
 STAMPS = 0.003
 """s; how far apart joints and readings may truly be that bear the same stamp."""
 
@@ -47,7 +52,7 @@ class Latency:
 
 
 class LowPass:
-    """Readings follow the force with a lag of first order."""
+    """Readings follow the force with a lag."""
 
     identifier, group = "low_pass", "timing"
     components = (Component("time", "s", 0.08, 0.0, form=1.5, blur=STAMPS),)
@@ -57,7 +62,9 @@ class LowPass:
         return places.feet_and_all(signal_model)
 
     def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
-        """One lag, for which the force is reading + time x rate; or two, of half the time each."""
+        """One lag, for which the force is reading + time x rate; two, of half the time each; or
+        running means, which are nearly a delay.
+        """
         channels = places.all_channels_at(signal_model, place)
         for time, bounds in LAGS.items():
 
@@ -68,4 +75,15 @@ class LowPass:
                 return -rate - second * slope(rate, track.time)
 
             columns = shown(signal_model, channels, signal_model.samples.decimated(work))[None]
+            yield Shape(("time",), columns, within={"time": bounds})
+        for time, bounds in MEANS.items():
+
+            def averaged(track: Track, time: float = time) -> FloatArray:
+                rate = slope(
+                    signal_model.parameters.outputs(track.readings)[:, channels], track.time
+                )
+                spread = 0.5 * MEANS_SPREAD * time * slope(rate, track.time)
+                return spread - rise(rate, track.time, time) / time
+
+            columns = shown(signal_model, channels, signal_model.samples.decimated(averaged))[None]
             yield Shape(("time",), columns, within={"time": bounds})

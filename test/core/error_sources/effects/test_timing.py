@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from core.error_sources.altered import with_forces
 from core.error_sources.shows import assert_shows, shape, told
 from shoecal_core.error_sources.effects.places import all_channels_at
-from shoecal_core.error_sources.effects.timing import DELAYS, LAGS, Latency, LowPass
+from shoecal_core.error_sources.effects.timing import DELAYS, LAGS, MEANS, Latency, LowPass
 from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.signals import AIR
 from shoecal_core.samples.filters import low_passed
@@ -58,6 +58,27 @@ def test_each_form_is_of_its_two_lags(signal_model: SignalModel, form: int, time
         for _ in range(2):
             lagging[:, channels] = low_passed(lagging[:, channels], track.time, 0.5 * time)
         return lagging
+
+    found = list(LowPass().shapes(signal_model, ("left",)))[form]
+    after = with_forces(signal_model, work)
+    assert_shows(signal_model, after, told(found, time), within=0.35, without=AIR)
+
+
+@pytest.mark.parametrize(("form", "time"), list(enumerate(MEANS, len(LAGS))))
+def test_each_form_is_of_its_running_means(
+    signal_model: SignalModel, form: int, time: float
+) -> None:
+    channels = all_channels_at(signal_model, ("left",))
+
+    def work(track: Track, force: FloatArray) -> FloatArray:
+        averaged, step = force.copy(), np.median(np.diff(track.time))
+        width = 1 + round(2.0 * time / 3.0 / step)
+        for _ in range(3):
+            before = np.repeat(averaged[:1, channels], width - 1, axis=0)
+            sums = np.cumsum(np.vstack((before, averaged[:, channels])), axis=0)
+            sums = np.vstack((np.zeros(sums.shape[1]), sums))
+            averaged[:, channels] = (sums[width:] - sums[:-width]) / width
+        return averaged
 
     found = list(LowPass().shapes(signal_model, ("left",)))[form]
     after = with_forces(signal_model, work)
