@@ -16,8 +16,7 @@ from shoecal_core.error_sources.noise import colour, form_error, least_noise, wh
 from shoecal_core.error_sources.posterior import Posterior
 from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.signals import AIR, CLOSURE, COP, GRF, PARITY, TILT
-from shoecal_core.error_sources.spectrum import BANDS, frequencies_of, signals_of
-from shoecal_core.error_sources.whitening import Whitening
+from shoecal_core.error_sources.spectrum import BANDS, BandTransform, frequencies_of, signals_of
 from shoecal_core.shoe.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]
@@ -143,53 +142,82 @@ def at_levels(precision: FloatArray, family: IntArray, levels: FloatArray) -> Fl
     return found
 
 
+@dataclass(frozen=True)
+class Coefficients:
+    """All that is laid out, transformed once for all runs: K coefficients that count.
+
+    Attributes:
+        run: (K,) of each. band: (K,) its signal and band (`spectrum`).
+        base: (K, p). columns: (K, k). residuals, measured: (K,); see `Rows`.
+    """
+
+    run: IntArray
+    band: IntArray
+    base: FloatArray
+    columns: FloatArray
+    residuals: FloatArray
+    measured: FloatArray
+
+
+def transformed(signal_model: SignalModel, catalogue: Catalogue) -> Coefficients:
+    """Coefficients of baseline, hypotheses, residuals, and of what is measured."""
+    samples = signal_model.samples
+    spectrum = BandTransform(samples, signal_model.mask)
+    kept = spectrum.kept
+
+    def coefficients(values: FloatArray) -> FloatArray:
+        return np.ascontiguousarray(spectrum(values)[..., kept].T)
+
+    measured = np.zeros_like(signal_model.residuals)
+    measured[:, GRF], measured[:, COP] = signal_model.wrench[:, :1], signal_model.cop
+    return Coefficients(
+        run=np.broadcast_to(samples.run[:, None], kept.shape)[kept],
+        band=spectrum.group[kept],
+        base=coefficients(signal_model.baseline),
+        columns=coefficients(catalogue.columns),
+        residuals=coefficients(signal_model.residuals),
+        measured=coefficients(np.where(signal_model.mask, measured, 0.0)),
+    )
+
+
 def make_rows(
     signal_model: SignalModel,
-    catalogue: Catalogue,
-    train: Sequence[int],
+    whole: Coefficients,
+    runs: Sequence[int],
     coarse: FloatArray,
     settings: DiagnosisSettings,
     guess: ChannelParameters,
 ) -> Rows:
-    """Lay out the training runs.
+    """Lay out some runs.
 
     Args:
         signal_model: with gains and offsets fitted, and deviations as built.
-        catalogue: of hypotheses.
-        train: runs.
+        whole: its coefficients.
+        runs: numbers.
         coarse: (s, BANDS) variance before anything is known.
         settings: of the diagnosis.
         guess: gains and offsets that priors are about.
     """
     samples = signal_model.samples
-    flat = Whitening(samples, signal_model.mask, np.ones_like(coarse))
-    part = np.isin(samples.run, train)
-    kept = flat.kept & part[:, None]
-
-    def coefficients(values: FloatArray) -> FloatArray:
-        return np.ascontiguousarray(flat(values)[..., kept].T)
-
-    present, group = np.unique(flat.spectrum.group[kept], return_inverse=True)
+    here = np.isin(whole.run, runs)
+    present, group = np.unique(whole.band[here], return_inverse=True)
     signal, frequency = signals_of(present), frequencies_of(present)
-    base = coefficients(signal_model.baseline)
+    base, columns = whole.base[here], whole.columns[here]
     prior, away = precision(signal_model, guess, settings), _away(signal_model, guess)
     free = _unabsorbed(base, prior, signal_model, 1.0 / np.sqrt(coarse.ravel()[present])[group])
     count = np.bincount(group)
     form = np.bincount(group, ((free * _form_stds(signal_model)) ** 2).sum(axis=1)) / count
-    measured = np.zeros_like(signal_model.residuals)
-    measured[:, GRF], measured[:, COP] = signal_model.wrench[:, :1], signal_model.cop
-    taken = coefficients(np.where(signal_model.mask, measured, 0.0))
+    measured = whole.measured[here]
     # The mean of a stance does not contain how far the CoP moves.
-    taken[np.isin(signal, np.r_[COP])[group] & (present[group] % BANDS == 0)] = 0.0
+    measured[np.isin(signal, np.r_[COP])[group] & (present[group] % BANDS == 0)] = 0.0
     white = np.maximum(white_noise(signal_model), least_noise(signal_model))[signal] ** 2
     smooth = form_error(signal_model, settings)[signal] ** 2 * colour(samples, frequency, settings)
-    columns = coefficients(catalogue.columns)
     return Rows(
         base=base,
         columns=columns,
-        residuals=coefficients(signal_model.residuals) - base @ away,
+        residuals=whole.residuals[here] - base @ away,
         away=away,
-        measured=taken,
+        measured=measured,
         group=group,
         number=present,
         noise=white * _flicker(signal, frequency),

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from shoecal_core.diagnosis.baseline import coarse_noise, fit_baseline
 from shoecal_core.diagnosis.hypotheses import Catalogue, make_catalogue
 from shoecal_core.diagnosis.prediction import log_predictive, within_tolerance
-from shoecal_core.diagnosis.rows import Rows, make_rows
+from shoecal_core.diagnosis.rows import Rows, make_rows, transformed
 from shoecal_core.diagnosis.scoring import Scored, Scorer
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources.as_built import as_built
@@ -24,7 +24,6 @@ from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.error_sources.whitening import (
     WhitenedProducts,
     Whitening,
-    make_sums,
 )
 
 FloatArray = NDArray[np.float64]
@@ -188,29 +187,31 @@ def make_workspace(
     signal_model = signal_model.leaving_out(jolts(signal_model, settings) & fitted)
     signal_model = replace(signal_model, deviations=tuple(as_built(signal_model, tolerances)))
     catalogue = make_catalogue(signal_model, effects, wanted)
-    rows = make_rows(signal_model, catalogue, train, coarse, settings, guess)
+    whole = transformed(signal_model, catalogue)
+    rows = make_rows(signal_model, whole, train, coarse, settings, guess)
     scorer = Scorer(rows, len(signal_model.parameters.gain))
     nothing = scorer.nothing
     noise = scorer.rows.by_band(nothing.variance, coarse)
     whitening = Whitening(signal_model.samples, signal_model.mask, noise)
-    sums = make_sums(
-        whitening,
-        train,
-        signal_model.baseline,
-        catalogue.columns,
-        signal_model.residuals,
-        scorer.rows.prior(nothing.levels),
-    )
     return Workspace(
         signal_model,
         noise,
         catalogue,
         whitening,
-        sums,
+        _products(nothing),
         scorer,
-        make_rows(signal_model, catalogue, test, coarse, settings, guess),
+        make_rows(signal_model, whole, test, coarse, settings, guess),
         tuple(train),
         tuple(test),
         tolerances,
         nothing,
     )
+
+
+def _products(scored: Scored) -> WhitenedProducts:
+    """Of all columns and the residuals, on the runs that were fitted, under a fit's variances."""
+    rows = scored.scorer.rows
+    residuals = rows.residuals + rows.base @ rows.away
+    whole = np.column_stack((rows.base, rows.columns, residuals))
+    whole /= np.sqrt(scored.variance)[rows.group][:, None]
+    return WhitenedProducts(whole.T @ whole, rows.base.shape[1], rows.prior(scored.levels))
