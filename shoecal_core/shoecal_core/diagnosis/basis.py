@@ -67,14 +67,33 @@ class Basis:
         found[self._triangle] = weight @ self._normals
         return found.reshape(count, count)
 
+    def products(self, values: FloatArray) -> FloatArray:
+        """(G, q + m, m) of the columns and of values (R, m) with the values, by group.
+
+        So weights may change, and rows need not be gone through again.
+        """
+        count, order = self.columns.shape[1], self._order
+        found = np.empty((len(order), count + values.shape[1], values.shape[1]))
+        for group, (rows, own) in enumerate(zip(order, self._by_group, strict=True)):
+            here = values[rows]
+            found[group, :count], found[group, count:] = own.T @ here, here.T @ here
+        return found
+
     @cached_property
     def _normals(self) -> FloatArray:
         """(G, q (q + 1) / 2) lower triangles of the normal matrix, by group."""
-        found = np.empty((int(self.group.max()) + 1, len(self._triangle)))
-        for group in range(len(found)):
-            own = self.columns[self.group == group]
-            found[group] = (own.T @ own).ravel()[self._triangle]
-        return found
+        return np.array([(own.T @ own).ravel()[self._triangle] for own in self._by_group])
+
+    @cached_property
+    def _order(self) -> list[IntArray]:
+        """Rows of each group."""
+        changes = np.cumsum(np.bincount(self.group))[:-1]
+        return np.split(np.argsort(self.group, kind="stable"), changes)
+
+    @cached_property
+    def _by_group(self) -> list[FloatArray]:
+        """The columns' rows of each group."""
+        return [self.columns[rows] for rows in self._order]
 
     @cached_property
     def _triangle(self) -> IntArray:

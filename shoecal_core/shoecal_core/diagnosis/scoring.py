@@ -156,16 +156,20 @@ def sensible(form: Form, sizes: FloatArray) -> bool:
 
 @dataclass(frozen=True)
 class _Weighted:
-    """The baseline under some variances, ready for columns to be added."""
+    """The baseline under some weights (G,), ready for columns to be added."""
 
     weight: FloatArray
-    base: FloatArray
     posterior: Posterior
 
-    def eliminate(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """(p, m) weighted columns (R, m) in terms of the baseline, and (m, m) what is left."""
-        across = self.posterior.whiten(self.base.T @ (self.weight[:, None] * values))
-        return across, values.T @ values - across.T @ across
+    def eliminate(self, products: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """(p, m) of m columns in terms of the baseline, and (m, m) what it leaves of them.
+
+        Args:
+            products: (p + m, m) of the baseline and of the columns with the latter, weighted.
+        """
+        count = len(products) - products.shape[1]
+        across = self.posterior.whiten(products[:count])
+        return across, products[count:] - across.T @ across
 
 
 @dataclass(frozen=True)
@@ -234,10 +238,9 @@ class Scorer:
 
     def weighted(self, variance: FloatArray, levels: FloatArray) -> _Weighted:
         """The baseline under variances (G,), with as-built errors at levels (F,)."""
-        rows = self.rows
         each = COUNTS / variance
         posterior = Posterior(self.basis.normal(each), self.basis.prior(levels))
-        return _Weighted(np.sqrt(each)[rows.group], self.basis.columns, posterior)
+        return _Weighted(each, posterior)
 
     def _fit(
         self,
@@ -260,14 +263,14 @@ class Scorer:
         std = np.concatenate([np.zeros(0), *(form.std for _, form in parts)])
         count = len(chosen)
         columns = rows.columns[:, chosen]
+        products = basis.products(np.column_stack((columns, rows.residuals)))
         if isinstance(start, Scored):
             variance, levels, weighted = start.variance, start.levels, start.weighted
         else:
             (variance, levels), weighted = start, self.weighted(*start)
         best: Scored | None = None
         for _ in range(rounds):
-            values = np.column_stack((columns, rows.residuals)) * weighted.weight[:, None]
-            across, left = weighted.eliminate(values)
+            across, left = weighted.eliminate(np.tensordot(weighted.weight, products, 1))
             inner = Posterior(left[:count, :count], std**-2.0)
             sizes = inner.solve(left[:count, count])
             absorbed = weighted.posterior.unwhiten(across[:, :count] @ sizes)
@@ -398,8 +401,10 @@ class Scorer:
     def _left(self, kept: Scored) -> FloatArray:
         """(k + 1, k + 1) products of columns and residuals, less what an explanation takes."""
         weighted, rows = kept.weighted, self.rows
-        values = np.column_stack((rows.columns, rows.residuals)) * weighted.weight[:, None]
-        _, left = weighted.eliminate(values)
+        weight = np.sqrt(weighted.weight)[rows.group][:, None]
+        values = np.column_stack((rows.columns, rows.residuals)) * weight
+        base = self.basis.columns * weight
+        _, left = weighted.eliminate(np.vstack((base.T @ values, values.T @ values)))
         if kept.parts:
             own = np.array(kept.columns, dtype=np.int64)
             taken = Posterior(left[np.ix_(own, own)], kept.std**-2.0)
