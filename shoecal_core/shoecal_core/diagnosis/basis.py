@@ -8,7 +8,7 @@ eigenvalues matter. Along all others nothing is learned: they keep their mean of
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -56,6 +56,11 @@ class Basis:
             at += turned.shape[1]
         return found
 
+    def reduced(self, base: FloatArray) -> FloatArray:
+        """(R, q) of the baseline's columns (R, p) on whatever rows."""
+        parts = [base[:, own] @ turned for own, turned in self.parts]
+        return np.hstack([base[:, : self.kept], *parts])
+
     def prior(self, levels: FloatArray) -> FloatArray:
         """(q,) precision where families are at these levels (F,)."""
         return at_levels(self.precision, self.family, levels)
@@ -101,30 +106,37 @@ class Basis:
         return np.flatnonzero(np.tri(self.columns.shape[1], dtype=bool))
 
 
-def make_basis(rows: Rows, kept: int) -> Basis:
+def make_basis(rows: Rows, kept: int, withheld: Rows | None = None) -> Basis:
     """Reduce the baseline.
 
     Args:
-        rows: of the baseline.
+        rows: that are fitted.
         kept: columns at its beginning that stay as they are: gains and offsets.
+        withheld: rows that are predicted, which may show what those do not.
     """
-    least = rows.noise + LEAST_MODEL**2 * rows.smooth
-    weight = least[rows.group] ** -0.5
-    parts, columns = [], [rows.base[:, :kept]]
+    weighted = [_weighted(one) for one in (rows, withheld) if one is not None]
+    parts = []
     precision, families = [rows.precision[:kept]], [rows.family[:kept]]
     later = np.arange(len(rows.family)) >= kept
     for family in range(-1, len(rows.most_level)):
         own = np.flatnonzero(later & (rows.family == family))
         most = 1.0 if family < 0 else rows.most_level[family]
         std = rows.precision[own] ** -0.5
-        moved = rows.base[:, own] * (weight[:, None] * most * std)
-        values, vectors = np.linalg.eigh(moved.T @ moved)
+        each = [base[:, own] * (most * std) for base in weighted]
+        values, vectors = np.linalg.eigh(np.sum([one.T @ one for one in each], axis=0))
         turned = std[:, None] * vectors[:, values > LEAST**2]
         parts.append((own, turned))
-        columns.append(rows.base[:, own] @ turned)
         precision.append(np.ones(turned.shape[1]))
         families.append(np.full(turned.shape[1], family))
-    return Basis(
-        np.hstack(columns), rows.group, np.concatenate(precision), np.concatenate(families),
+    found = Basis(
+        np.empty(0), rows.group, np.concatenate(precision), np.concatenate(families),
         tuple(parts), kept, len(rows.family),
     )  # fmt: skip
+    return replace(found, columns=found.reduced(rows.base))
+
+
+def _weighted(rows: Rows) -> FloatArray:
+    """(R, p) of the baseline, over the least deviation that its rows may have."""
+    least = rows.noise + LEAST_MODEL**2 * rows.smooth
+    found: FloatArray = rows.base * (least[rows.group] ** -0.5)[:, None]
+    return found

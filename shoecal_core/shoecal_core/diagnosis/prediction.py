@@ -32,22 +32,23 @@ def within_tolerance(scored: Scored) -> Scored:
     return replace(scored, vector=vector)
 
 
-def log_predictive(rows: Rows, scored: Scored) -> float:
+def log_predictive(scored: Scored) -> float:
     """Logarithm of the probability of runs left out, under what was fitted to others.
 
     Gains, offsets, errors as built and sizes have the distribution that the fit left them; bands
     have the variance that it expected, known to a factor as there (`scoring`).
 
     Args:
-        rows: of the runs left out, about the same gains and offsets as those of the fit.
         scored: the fit.
 
     Returns:
         Up to a constant that is the same for all fits.
     """
-    whole = np.column_stack((rows.base, rows.columns[:, list(scored.columns)]))
-    base = whole @ scored.scorer.root(scored)
-    residuals = rows.residuals - whole @ scored.vector
+    scorer, rows = scored.scorer, scored.scorer.withheld
+    assert rows is not None, "no runs were left out"
+    columns = rows.columns[:, list(scored.columns)]
+    base = np.column_stack((scorer.withheld_base, columns)) @ scorer.reduced_root(scored)
+    residuals = rows.residuals - np.column_stack((rows.base, columns)) @ scored.vector
     expected = _expected(rows, scored)
     variance, log = expected, 0.0
     for _ in range(ROUNDS):

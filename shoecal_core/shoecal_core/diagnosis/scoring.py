@@ -190,11 +190,12 @@ class Scorer:
 
     Args:
         rows: what is fitted. channels: of the shoes.
+        withheld: rows of the runs left out, if any are to be predicted.
     """
 
-    def __init__(self, rows: Rows, channels: int) -> None:
-        self.rows, self.channels = rows, channels
-        self.basis = make_basis(rows, 2 * channels)
+    def __init__(self, rows: Rows, channels: int, withheld: Rows | None = None) -> None:
+        self.rows, self.channels, self.withheld = rows, channels, withheld
+        self.basis = make_basis(rows, 2 * channels, withheld)
         found = self._nothing(other=False)
         self._as_built = found.evidence
         self.nothing = replace(found, evidence=0.0)
@@ -365,6 +366,20 @@ class Scorer:
             level = math.sqrt(total / (determined[own].sum() + LEVEL_FREEDOM))
             found[family] = min(max(level, LEAST_LEVEL), most)
         return found
+
+    @cached_property
+    def withheld_base(self) -> FloatArray:
+        """(R', q) of the reduced baseline on the runs left out."""
+        assert self.withheld is not None, "no runs were left out"
+        return self.basis.reduced(self.withheld.base)
+
+    def reduced_root(self, scored: Scored) -> FloatArray:
+        """(q + k, q + k) square root of the covariance of the reduced unknowns and sizes."""
+        weight = np.sqrt(COUNTS / scored.variance)[self.rows.group]
+        columns = self.rows.columns[:, list(scored.columns)]
+        whole = np.column_stack((self.basis.columns, columns)) * weight[:, None]
+        precision = np.concatenate((self.basis.prior(scored.levels), scored.std**-2.0))
+        return Posterior(whole.T @ whole, precision).root
 
     def root(self, scored: Scored) -> FloatArray:
         """(p + k, p + k) square root of the covariance of a fit's vector."""

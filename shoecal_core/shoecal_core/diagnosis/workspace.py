@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from shoecal_core.diagnosis.baseline import coarse_noise, fit_baseline
 from shoecal_core.diagnosis.hypotheses import Catalogue, make_catalogue
 from shoecal_core.diagnosis.prediction import log_predictive, within_tolerance
-from shoecal_core.diagnosis.rows import Rows, make_rows, transformed
+from shoecal_core.diagnosis.rows import make_rows, transformed
 from shoecal_core.diagnosis.scoring import Scored, Scorer
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources.as_built import as_built
@@ -43,8 +43,7 @@ class Workspace:
         catalogue: of hypotheses.
         whitening: by that noise.
         sums: of the training runs.
-        scorer: of the training runs.
-        withheld: the runs left out, laid out as those that are scored.
+        scorer: of the training runs; the runs left out are laid out with them.
         train, test: numbers of the runs.
         tolerances: of the robot's errors as built.
         built: the fit by which the robot's errors as built are as large as they are.
@@ -56,7 +55,6 @@ class Workspace:
     whitening: Whitening
     sums: WhitenedProducts
     scorer: Scorer
-    withheld: Rows
     train: tuple[int, ...]
     test: tuple[int, ...]
     tolerances: Tolerances
@@ -102,7 +100,7 @@ class Workspace:
         known, key = self._predictions, (id(scored), bounded)
         if key not in known:
             used = within_tolerance(scored) if bounded else scored
-            known[key] = scored, log_predictive(self.withheld, used)
+            known[key] = scored, log_predictive(used)
         return known[key][1]
 
     @cached_property
@@ -188,8 +186,10 @@ def make_workspace(
     signal_model = replace(signal_model, deviations=tuple(as_built(signal_model, tolerances)))
     catalogue = make_catalogue(signal_model, effects, wanted)
     whole = transformed(signal_model, catalogue)
-    rows = make_rows(signal_model, whole, train, coarse, settings, guess)
-    scorer = Scorer(rows, len(signal_model.parameters.gain))
+    rows, withheld = (
+        make_rows(signal_model, whole, runs, coarse, settings, guess) for runs in (train, test)
+    )
+    scorer = Scorer(rows, len(signal_model.parameters.gain), withheld)
     nothing = scorer.nothing
     noise = scorer.rows.by_band(nothing.variance, coarse)
     whitening = Whitening(signal_model.samples, signal_model.mask, noise)
@@ -200,7 +200,6 @@ def make_workspace(
         whitening,
         _products(nothing),
         scorer,
-        make_rows(signal_model, whole, test, coarse, settings, guess),
         tuple(train),
         tuple(test),
         tolerances,

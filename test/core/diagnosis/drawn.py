@@ -91,15 +91,16 @@ class Urn:
         told = workspace.whitening.spectrum(residuals)
         none = np.zeros_like(old.rows.away)
         others = workspace.whitening.kept & workspace.rows_of(workspace.test)[:, None]
-        scorer = Scorer(replace(old.rows, residuals=told[self.kept], away=none), old.channels)
-        withheld = replace(workspace.withheld, residuals=told[others], away=none)
+        assert old.withheld is not None
+        withheld = replace(old.withheld, residuals=told[others], away=none)
+        rows = replace(old.rows, residuals=told[self.kept], away=none)
+        scorer = Scorer(rows, old.channels, withheld)
         sums = replace(workspace.sums, products=products)
         return replace(
             workspace,
             signal_model=signal_model,
             sums=sums,
             scorer=scorer,
-            withheld=withheld,
             built=scorer.nothing,
         )
 

@@ -18,9 +18,9 @@ SIZE = np.array([0.0, 0.3, -0.4, 0.0])
 @pytest.mark.parametrize("noise", [0.5, 1.0, 3.0])
 def test_a_prediction_is_the_density_of_all_rows(noise: float) -> None:
     """Up to a constant, under the variances that the rows most probably have."""
-    scorer = Scorer(rows(1, size=SIZE), 0)
-    one = possible((1, 2), STD)
     others = rows(2, noise, size=SIZE)
+    scorer = Scorer(rows(1, size=SIZE), 0, others)
+    one = possible((1, 2), STD)
     found = []
     for parts in ([], [(one, one.forms[0])]):
         scored = scorer.score(parts)
@@ -42,7 +42,7 @@ def test_a_prediction_is_the_density_of_all_rows(noise: float) -> None:
         alone += 0.5 * float(np.log(each / (2.0 * np.pi)).sum())
         # What the density has beyond the rows' own, added to what the rows are worth.
         wanted = float(likely.sum()) + density - alone
-        found.append((log_predictive(others, scored), wanted))
+        found.append((log_predictive(scored), wanted))
     for told, wanted in found:
         assert told == pytest.approx(wanted, abs=0.05)
 
@@ -52,10 +52,10 @@ def test_what_is_true_predicts_runs_left_out(urn: Urn, seed: int) -> None:
     drawn = urn.draw(np.random.default_rng(seed), {"floor_tilt": [0.06, 0.05]})
     scorer = drawn.scorer
     told = {
-        label: log_predictive(drawn.withheld, scorer.score([part(drawn, label)]))
+        label: log_predictive(scorer.score([part(drawn, label)]))
         for label in ("floor_tilt", "latency (left)", "hysteresis (right)")
     }
-    least = log_predictive(drawn.withheld, scorer.nothing)
+    least = log_predictive(scorer.nothing)
     assert told.pop("floor_tilt") > least + 3.0
     assert max(told.values()) < least + 3.0
 
@@ -64,10 +64,10 @@ def test_without_a_fault_the_same_error_as_built_is_no_larger_than_its_tolerance
     """It would predict as well as the fault otherwise, however improbable it is."""
     drawn = urn.draw(np.random.default_rng(3), {"latency (all)": [0.15]})
     scorer = drawn.scorer
-    found = log_predictive(drawn.withheld, scorer.score([part(drawn, "latency (all)")]))
-    assert log_predictive(drawn.withheld, scorer.nothing) > found - 3.0
+    found = log_predictive(scorer.score([part(drawn, "latency (all)")]))
+    assert log_predictive(scorer.nothing) > found - 3.0
     kept = within_tolerance(scorer.nothing)
-    assert log_predictive(drawn.withheld, kept) < found - 3.0
+    assert log_predictive(kept) < found - 3.0
     most = BUILT_WITHIN / np.sqrt(scorer.rows.precision)
     built = scorer.rows.built
     assert (np.abs(kept.vector) <= most)[built].all()
@@ -77,7 +77,7 @@ def test_without_a_fault_the_same_error_as_built_is_no_larger_than_its_tolerance
 @pytest.mark.parametrize("seed", range(4))
 def test_of_noise_nothing_predicts_more(urn: Urn, seed: int) -> None:
     drawn = urn.draw(np.random.default_rng(100 + seed))
-    least = log_predictive(drawn.withheld, drawn.scorer.nothing)
+    least = log_predictive(drawn.scorer.nothing)
     for label in ("floor_tilt", "latency (left)", "link_com (Neck_link)"):
         scored = drawn.scorer.score([part(drawn, label)])
-        assert log_predictive(drawn.withheld, scored) < least + 3.0
+        assert log_predictive(scored) < least + 3.0
