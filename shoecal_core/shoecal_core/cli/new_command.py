@@ -1,19 +1,21 @@
-"""`shoecal new robot URDF`: files of a robot, its shoes and its simulation from a URDF."""
+"""`shoecal new robot FILE`: files of a robot, its shoes and its simulation from URDF or MJCF."""
 
 from __future__ import annotations
 
 import argparse
+import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from rich.console import Console
 
 from shoecal_core.drafting.draft import draft_robot, prove, relative
+from shoecal_core.drafting.mjcf import MjcfError, as_urdf, is_mjcf
 from shoecal_core.drafting.notes import Note, robot_notes, shoe_notes
 from shoecal_core.drafting.simulated import reality_text
 from shoecal_core.drafting.soles import SoleSize
 from shoecal_core.drafting.text import robot_text, shoe_text
-from shoecal_core.errors import FileTakenError, ShoecalError
+from shoecal_core.errors import FileError, FileTakenError, ShoecalError
 from shoecal_core.files import atomic_write, make_folder
 
 LARGEST_M = 0.5
@@ -23,10 +25,13 @@ LARGEST_M = 0.5
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare its arguments."""
     parser.add_argument("kind", choices=("robot",), help="what to draft")
-    parser.add_argument("urdf", type=Path, help="the robot's URDF; it is left as it is")
+    parser.add_argument(
+        "urdf", type=Path, metavar="URDF_OR_MJCF",
+        help="the robot's URDF, or its MJCF, of which a URDF is made; it is left as it is",
+    )  # fmt: skip
     parser.add_argument(
         "-o", "--out", type=Path, metavar="ROBOT.yaml",
-        help="robot file to make (default: next to the URDF, of its name)",
+        help="robot file to make (default: next to the description, of its name)",
     )  # fmt: skip
     parser.add_argument(
         "--shoe", type=Path, metavar="SHOE.yaml",
@@ -58,20 +63,36 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     if out.resolve() == shoe.resolve():
         raise ShoecalError(f"{out}: robot file and shoe file cannot be one; name another --shoe")
     reality = out.with_name(f"{out.stem}_reality.yaml")
-    for file in (out, shoe, reality):
+    converted = as_urdf(args.urdf, f"{out.stem}_meshes") if is_mjcf(args.urdf) else None
+    urdf = args.urdf if converted is None else out.with_suffix(".urdf")
+    for file in (out, shoe, reality, *(() if converted is None else (urdf,))):
         if file.exists() and not args.force:
             problem = "is there already; name another one, or replace it with --force"
             raise FileTakenError(file, problem)
-    draft = draft_robot(
-        args.urdf, args.robot_name or out.stem, six_axis=args.six_axis, sole=_sole(args.sole)
-    )
-    texts = {out: robot_text(draft, relative(args.urdf, out.parent)), shoe: shoe_text(draft)}
-    robot, worn = prove(draft, texts[out], texts[shoe])
+    with tempfile.TemporaryDirectory() as folder:
+        read = args.urdf if converted is None else converted.write(Path(folder, urdf.name))
+        try:
+            draft = draft_robot(
+                read, args.robot_name or out.stem, six_axis=args.six_axis, sole=_sole(args.sole)
+            )
+            texts = {out: robot_text(draft, relative(urdf, out.parent)), shoe: shoe_text(draft)}
+            robot, worn = prove(draft, texts[out], texts[shoe])
+        except FileError as error:
+            if converted is None:
+                raise
+            raise MjcfError(args.urdf, error.problem, field=error.field) from error
     texts[reality] = reality_text(robot, worn)
+    if converted is not None:
+        converted.write(urdf)
     for file, text in texts.items():
         make_folder(file.parent)
         atomic_write(file, text)
     notes = {out: robot_notes(draft), shoe: shoe_notes(draft)}
+    if converted is not None:
+        told = [
+            Note("joint", f"{one}.", "give the motors' own there.") for one in converted.assumed
+        ]
+        notes = {urdf: told, **notes}
     for file, to_check in notes.items():
         _print_notes(console, file, to_check)
     console.print(

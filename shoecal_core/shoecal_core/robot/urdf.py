@@ -81,6 +81,10 @@ def read_urdf(path: Path) -> Urdf:
         FileSyntaxError: for a file that is no XML.
     """
     text = read_bytes(path).decode("utf-8", errors="replace")
+    if "<robot" not in text and "<mujoco" in text:
+        raise UrdfError(
+            path, "is an MJCF; make a URDF and a robot file of it with `shoecal new robot`"
+        )
     if "<robot" not in text:
         raise UrdfError(path, "not a URDF (no <robot> element)")
     if is_xacro(text):

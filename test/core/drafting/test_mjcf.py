@@ -1,0 +1,141 @@
+"""A URDF made of an MJCF moves, weighs and looks as MuJoCo has it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from xml.etree import ElementTree
+
+import mujoco
+import numpy as np
+import pinocchio as pin
+import pytest
+from numpy.testing import assert_allclose
+
+from shoecal_core.drafting.body import find_shapes, read_body
+from shoecal_core.drafting.mjcf import EFFORT_M, SPEED, MjcfError, as_urdf
+
+ODD = """
+<mujoco model="odd">
+  <compiler angle="degree" autolimits="true"/>
+  <default><joint armature="0.01"/><motor ctrlrange="-2 2" gear="3"/></default>
+  <asset><mesh name="wedge" vertex="0 0 0  0.1 0 0  0 0.06 0  0 0 0.04  0.1 0.06 0"/></asset>
+  <worldbody>
+    <geom type="plane" size="1 1 1"/>
+    <body name="torso" pos="0.1 0.2 0.5" quat="0.9 0.1 0.2 0.3">
+      <freejoint/>
+      <geom type="capsule" size="0.05 0.1" mass="1.5"/>
+      <body name="leg" pos="0.02 0.05 -0.15" euler="10 20 30">
+        <joint name="yaw" axis="0 0 1" pos="0.01 0 0.02" range="-40 40"/>
+        <joint name="roll" axis="1 0.2 0" pos="0 0.01 0.03" range="-30 60" ref="12"/>
+        <joint name="loose" axis="0 1 0" range="-0.5 0.5"/>
+        <geom type="box" size="0.02 0.03 0.08" pos="0 0 -0.1" euler="0 15 0" mass="0.4"/>
+        <body name="shank" pos="0.01 0 -0.2">
+          <joint name="slide" type="slide" axis="0 0 1" range="-0.02 0.03" ref="0.01"/>
+          <geom type="cylinder" size="0.02 0.05" mass="0.2"/>
+          <body name="foot" pos="0 0 -0.1">
+            <joint name="ankle" axis="0 1 0" range="-50 50" actuatorfrcrange="-4 4"/>
+            <geom type="mesh" mesh="wedge" mass="0.1" pos="-0.03 -0.02 -0.01" euler="0 0 5"/>
+            <site name="sole" pos="0.01 0 -0.02" euler="0 0 90"/>
+          </body>
+        </body>
+      </body>
+      <body name="head" pos="0 0 0.2"><geom type="sphere" size="0.05" mass="0.3"/></body>
+    </body>
+  </worldbody>
+  <actuator><motor joint="yaw"/><position joint="roll" kp="20" forcerange="-5 5"/></actuator>
+  <sensor><force site="sole"/><torque site="sole"/></sensor>
+</mujoco>
+"""
+
+
+@pytest.fixture
+def odd(tmp_path: Path) -> Path:
+    """With all that an exporter may write: references, several joints in a body, anchors."""
+    file = tmp_path / "odd.xml"
+    file.write_text(ODD)
+    return file
+
+
+def test_it_moves_and_weighs_as_in_mujoco(odd: Path, tmp_path: Path) -> None:
+    urdf = as_urdf(odd, "odd_meshes").write(tmp_path / "odd.urdf")
+    model = mujoco.MjModel.from_xml_path(str(odd))
+    data, body = mujoco.MjData(model), read_body(urdf)
+    robot, rng = body.model, np.random.default_rng(1)
+    state, base = robot.createData(), model.body("torso").id
+    assert pin.computeTotalMass(robot) == pytest.approx(2.5)
+    assert set(robot.names[2:]) == {"yaw", "roll", "slide", "ankle"}
+    for _ in range(10):
+        q = pin.neutral(robot)
+        for joint in range(2, robot.njoints):
+            place = robot.joints[joint].idx_q
+            low, high = robot.lowerPositionLimit[place], robot.upperPositionLimit[place]
+            q[place] = rng.uniform(low, high)
+            data.qpos[model.joint(robot.names[joint]).qposadr[0]] = q[place]
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        pin.framesForwardKinematics(robot, state, q)
+        turned, origin = data.xmat[base].reshape(3, 3), data.xpos[base]
+        com = turned.T @ (data.subtree_com[base] - origin)
+        assert_allclose(pin.centerOfMass(robot, state, q), com, atol=1e-9)
+        site = state.oMf[robot.getFrameId("sole_force_torque")]
+        there = data.site("sole")
+        assert_allclose(site.translation, turned.T @ (there.xpos - origin), atol=1e-9)
+        assert_allclose(site.rotation, turned.T @ there.xmat.reshape(3, 3), atol=1e-9)
+
+
+def test_shapes_are_where_mujoco_has_them(odd: Path, tmp_path: Path) -> None:
+    """The hull of a mesh, which MuJoCo puts elsewhere than its file does."""
+    body = read_body(as_urdf(odd, "odd_meshes").write(tmp_path / "odd.urdf"))
+    model = mujoco.MjModel.from_xml_path(str(odd))
+    data, foot = mujoco.MjData(model), model.body("foot")
+    mujoco.mj_kinematics(model, data)
+    geom = int(foot.geomadr[0])
+    vertices = model.mesh_vert @ data.geom_xmat[geom].reshape(3, 3).T + data.geom_xpos[geom]
+    wanted = (vertices - data.body("foot").xpos) @ data.body("foot").xmat.reshape(3, 3)
+    ankle = body.model.getJointId("ankle")
+    found = find_shapes(body, {ankle}).points[ankle]
+    for bound in (np.min, np.max):
+        assert_allclose(bound(found, axis=0), bound(wanted, axis=0), atol=1e-6)
+
+
+def test_limits_of_motors_are_found_or_said_to_be_put_in(odd: Path) -> None:
+    made = as_urdf(odd, "odd_meshes")
+    limits = {
+        joint.get("name"): joint.find("limit")
+        for joint in ElementTree.fromstring(made.urdf).iter("joint")
+    }
+    efforts = {
+        name: float(one.get("effort", "")) for name, one in limits.items() if one is not None
+    }
+    weight = 2.5 * 9.81
+    assert efforts == pytest.approx(
+        {"yaw": 6.0, "roll": 15.0, "slide": EFFORT_M * weight, "ankle": 4.0}, rel=1e-5
+    )
+    assert {float(one.get("velocity", "")) for one in limits.values() if one is not None} == {SPEED}
+    told = "\n".join(made.assumed)
+    for word in ("slide", "loose", "3 rad/s"):
+        assert word in told
+    assert "ankle" not in told
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "field", "word"),
+    [
+        ('<joint name="ankle" axis="0 1 0" range="-50 50" actuatorfrcrange="-4 4"/>',
+         '<joint name="ankle" type="ball"/>', "joint ankle", "three hinges"),
+        ("<sensor>", (
+         '<equality><connect name="rod" body1="foot" body2="torso" anchor="0 0 0"/>'
+         "</equality><sensor>"), "equality rod", "linkage"),
+        ('mesh="wedge" mass', 'mesh="gone" mass', "", "MuJoCo does not read it"),
+    ],
+)  # fmt: skip
+def test_what_is_no_tree_of_hinges_is_refused_with_its_cure(
+    odd: Path, old: str, new: str, field: str, word: str
+) -> None:
+    text = odd.read_text()
+    assert old in text
+    odd.write_text(text.replace(old, new))
+    with pytest.raises(MjcfError, match=word) as raised:
+        as_urdf(odd, "odd_meshes")
+    assert raised.value.field == field
+    assert raised.value.path == odd
