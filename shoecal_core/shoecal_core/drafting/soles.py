@@ -168,6 +168,10 @@ def _standing_normal(body: Body, link: str, seen: FloatArray, ankle: FloatArray)
             "zero pose; give the foot a <collision> box of the sole's size",
             field=f"link {link}",
         )
-    way = -(normals @ ankle + offsets)[facing] / downward[facing]
+    # An exporter may put the ankle beside the foot: then by the foot's middle.
+    outline = shapely.MultiPoint(seen[:, :2]).convex_hull
+    inside = outline.contains(shapely.Point(ankle[:2]))
+    start = ankle if inside else np.array([*outline.centroid.coords[0], ankle[2]])
+    way = -(normals @ start + offsets)[facing] / downward[facing]
     normal = -normals[facing][np.argmin(way)]
     return UP if normal @ UP > np.cos(LEVEL) else np.asarray(normal)
