@@ -15,7 +15,7 @@ from core.drafting.drafts import ROBOTS, draft, edited
 from shoecal_core.cli import main
 from shoecal_core.drafting.draft import Draft, draft_robot, prove
 from shoecal_core.drafting.notes import robot_notes, shoe_notes
-from shoecal_core.drafting.soles import SoleSize
+from shoecal_core.drafting.soles import SoleSize, find_sole
 from shoecal_core.drafting.text import robot_text, shoe_text
 from shoecal_core.errors import FileError
 from shoecal_core.robot.robot_file import load_robot
@@ -290,3 +290,19 @@ def test_a_base_that_looks_backwards(tmp_path: Path) -> None:
     for one, other in zip(found.soles, known.soles, strict=True):
         np.testing.assert_allclose(one.outline, other.outline, atol=2e-4)
     assert found.posture == pytest.approx(known.posture, abs=2e-3)
+
+
+def test_a_foot_beside_its_ankle_stands_on_its_lowest_face() -> None:
+    """Its sides lean in: the vertical through the ankle passes beside it, and meets one of them."""
+    body = draft("wren").body
+    joint = draft("wren").legs.chains[0][-1]
+    wide, narrow = (
+        [(x, y, z) for x in (-0.05, 0.06) for y in (0.07 - half, 0.07 + half)]
+        for half, z in ((0.04, -0.03), (0.02, -0.04))
+    )
+    ankle, placement = body.centres[joint], body.placements[joint]
+    points = np.array([placement.actInv(ankle + np.array(one)) for one in (*wide, *narrow)])
+    sole = find_sole(body, joint, points, np.array([1.0, 0.0, 0.0]))
+    assert sole.height == pytest.approx(0.04)
+    np.testing.assert_allclose(sole.in_base.rotation[:, 2], (0.0, 0.0, 1.0), atol=1e-9)
+    np.testing.assert_allclose(np.ptp(sole.outline, axis=0), (0.11, 0.04), atol=1e-4)
