@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from core.stranger import Stranger
-from ros.world import middleware_hung
+from ros.world import middleware_failed
 from shoecal_core.workspace import ros_environment
 
 ALONE = """
@@ -33,19 +33,33 @@ def test_no_node_outlives_a_killed_world(tmp_path: Path) -> None:
             assert node.ends()
 
 
-@pytest.mark.parametrize(
-    ("innermost", "hung"),
-    [("site-packages/rclpy/node.py", True), ("shoecal_ros/nodes/planner.py", False)],
-)
-def test_only_the_middleware_may_hang_at_the_end(innermost: str, *, hung: bool) -> None:
-    ended = f"""[INFO] closed
-Timeout (0:00:10)!
-Thread 0x00007f6607fff6c0 (most recent call first):
+OTHER_THREAD = """ (most recent call first):
   File "/a/shoecal_ros/common/log_pipe.py", line 69 in run
 
-Thread 0x00007f66219ed540 (most recent call first):
-  File "/a/{innermost}", line 1965 in destroy_node
+"""
+
+
+@pytest.mark.parametrize(
+    ("innermost", "failed"),
+    [
+        ('rclpy/node.py", line 1965 in destroy_node', True),
+        ('rclpy/node.py", line 1203 in create_publisher', False),
+        ('shoecal_ros/nodes/planner.py", line 20 in destroy_node', False),
+    ],
+)
+@pytest.mark.parametrize(
+    "begins",
+    [
+        f"Timeout (0:00:10)!\nThread 0x0f{OTHER_THREAD}Thread 0x0a",
+        f"Fatal Python error: Segmentation fault\n\nThread 0x0f{OTHER_THREAD}Current thread 0x0a",
+    ],
+)
+def test_only_the_middleware_may_fail_while_it_is_destroyed(
+    begins: str, innermost: str, *, failed: bool
+) -> None:
+    trace = f"""{begins} (most recent call first):
+  File "/a/{innermost}
   File "/a/shoecal_ros/common/process.py", line 100 in _live
 """
-    assert middleware_hung(ended) == hung
-    assert not middleware_hung("Traceback (most recent call first):\n  File /a/rclpy/node.py")
+    assert middleware_failed(f"[INFO] closed\n{trace}") == failed
+    assert not middleware_failed(trace.partition("\n")[2])

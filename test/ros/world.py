@@ -281,7 +281,7 @@ class World:
             rclpy.shutdown(context=self._context)
         if kind is None:
             failed = {name: self.output(name) for name, code in codes.items() if code}
-            failed = {name: said for name, said in failed.items() if not middleware_hung(said)}
+            failed = {name: said for name, said in failed.items() if not middleware_failed(said)}
             assert not failed, failed
 
     @property
@@ -316,19 +316,18 @@ class World:
         return self.folder / f"{node}.log"
 
 
-def middleware_hung(output: str) -> bool:
-    """Whether a process was ended because the middleware, not the node, did not end.
+def middleware_failed(output: str) -> bool:
+    """Whether a process failed because the middleware hung or crashed while it was destroyed.
 
-    Fast DDS does so about once in some thousand ends. By then the node had closed, which
-    `process.run` ensures before it limits the time: no robot was left in motion.
+    Fast DDS does so about once in some thousand ends, after another process was killed. By then the
+    node had closed, which `process.run` ensures before it limits the time: no robot was in motion.
     """
-    return bool(
-        re.search(
-            r"^Timeout .*most recent call first\):\n  File \S*/rclpy/",
-            output,
-            re.DOTALL | re.MULTILINE,
-        )
+    destroying = r"most recent call first\):\n  File \S*/rclpy/node.py\S* line \d+ in destroy_node"
+    hung, crashed = (
+        rf"^Timeout .*{destroying}",
+        rf"^Fatal Python error: .*^Current thread \S+ \({destroying}",
     )
+    return bool(re.search(f"{hung}|{crashed}", output, re.DOTALL | re.MULTILINE))
 
 
 class Goal:

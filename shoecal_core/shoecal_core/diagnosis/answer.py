@@ -37,7 +37,7 @@ TAKEN_FROM = 1.0 / 3.0
 however surely, leaves the gap unexplained."""
 LEAST_EXCESS = 0.25
 """Excess on runs left out from which there is something to take: errors 12 % larger than expected.
-Floors are known no better, and nobody would mend less."""
+Floors are known no better, and less is worth no repair."""
 CLAIMED = 0.5
 """Part of what a cause adds to CoP and GRF on runs left out by which their gap is smaller with it:
 2 / s - 1 where it is s times its true size there, negative where it has nothing to do with it."""
@@ -97,7 +97,7 @@ def borne_out(
     """Without causes that runs left out do not bear out, or in whose place there may be nothing.
 
     Where the first one is, a robot as built has to be improbable enough; a further one has to be
-    likely by itself, since what cannot be told from it is listed of the first one alone.
+    likely by itself, since only of the first one all that cannot be separated from it is listed.
 
     Returns:
         What stays, and in words what went.
