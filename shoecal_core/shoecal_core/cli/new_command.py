@@ -89,10 +89,10 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         atomic_write(file, text)
     notes = {out: robot_notes(draft), shoe: shoe_notes(draft)}
     if converted is not None:
-        told = [
+        assumed = [
             Note("joint", f"{one}.", "give the motors' own there.") for one in converted.assumed
         ]
-        notes = {urdf: told, **notes}
+        notes = {urdf: assumed, **notes}
     for file, to_check in notes.items():
         _print_notes(console, file, to_check)
     console.print(

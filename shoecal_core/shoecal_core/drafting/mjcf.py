@@ -55,7 +55,7 @@ class Converted:
     assumed: tuple[str, ...]
 
     def write(self, urdf: Path) -> Path:
-        """Write the URDF, and beside it the meshes; the URDF's path."""
+        """Write the URDF, and the meshes next to it; the URDF's path."""
         for name, content in self.meshes.items():
             file = urdf.parent / name
             make_folder(file.parent)
@@ -79,7 +79,7 @@ def as_urdf(path: Path, meshes: str) -> Converted:
 
     Args:
         path: of the MJCF; what it includes is looked for where MuJoCo does.
-        meshes: folder of the meshes, beside the URDF.
+        meshes: folder of the meshes, next to the URDF.
 
     Raises:
         MjcfError: for a model that MuJoCo does not compile, or that is no tree of hinges and
@@ -160,7 +160,7 @@ class _Writer:
                 name = self._name(mjtObj.mjOBJ_EQUALITY, one)
                 raise MjcfError(
                     self._path,
-                    "closes a chain of links, whose passive joints nobody measures; take the "
+                    "closes a chain of links, whose passive joints are not measured; take the "
                     "linkage out and put the motor where it drives the leg",
                     field=f"equality {name}",
                 )

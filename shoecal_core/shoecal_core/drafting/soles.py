@@ -168,7 +168,7 @@ def _standing_normal(body: Body, link: str, seen: FloatArray, ankle: FloatArray)
             "zero pose; give the foot a <collision> box of the sole's size",
             field=f"link {link}",
         )
-    # An exporter may put the ankle beside the foot: then by the foot's middle.
+    # An exporter may put the ankle off the foot: then by the foot's middle.
     outline = shapely.MultiPoint(seen[:, :2]).convex_hull
     inside = outline.contains(shapely.Point(ankle[:2]))
     start = ankle if inside else np.array([*outline.centroid.coords[0], ankle[2]])
