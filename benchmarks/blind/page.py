@@ -86,7 +86,8 @@ def _row(figure: Figure) -> Row:
 
 
 def _shown(value: float) -> str:
-    return "never" if value >= FAR else f"{value:.3f}"
+    # The median of an even number may lie half way to what was never found.
+    return "never" if value >= 0.5 * FAR else f"{value:.3f}"
 
 
 def confusion(cases: Sequence[Case], *, by_class: bool) -> dict[str, Counter[str]]:
