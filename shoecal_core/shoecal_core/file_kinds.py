@@ -53,6 +53,12 @@ def not_yaml(content: bytes) -> str:
     return ""
 
 
+def is_mjcf(text: str) -> bool:
+    """Whether a description is MuJoCo's; a URDF may hold an element of that name, too."""
+    code = _COMMENT.sub("", text)
+    return "<mujoco" in code and "<robot" not in code
+
+
 def is_xacro(text: str) -> bool:
     """Whether a robot's description is one that xacro has still to unfold."""
     # A description that has been unfolded keeps xacro's namespace, and comments of its source.

@@ -10,13 +10,14 @@ from pathlib import Path
 from rich.console import Console
 
 from shoecal_core.drafting.draft import draft_robot, prove, relative
-from shoecal_core.drafting.mjcf import MjcfError, as_urdf, is_mjcf
+from shoecal_core.drafting.mjcf import MjcfError, as_urdf
 from shoecal_core.drafting.notes import Note, robot_notes, shoe_notes
 from shoecal_core.drafting.simulated import reality_text
 from shoecal_core.drafting.soles import SoleSize
 from shoecal_core.drafting.text import robot_text, shoe_text
 from shoecal_core.errors import FileError, FileTakenError, ShoecalError
-from shoecal_core.files import atomic_write, make_folder
+from shoecal_core.file_kinds import is_mjcf
+from shoecal_core.files import atomic_write, make_folder, read_bytes
 
 LARGEST_M = 0.5
 """From an ankle to an edge of its sole; more was given in other units."""
@@ -63,7 +64,8 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     if out.resolve() == shoe.resolve():
         raise ShoecalError(f"{out}: robot file and shoe file cannot be one; name another --shoe")
     reality = out.with_name(f"{out.stem}_reality.yaml")
-    converted = as_urdf(args.urdf, f"{out.stem}_meshes") if is_mjcf(args.urdf) else None
+    text = read_bytes(args.urdf).decode("utf-8", errors="replace")
+    converted = as_urdf(args.urdf, f"{out.stem}_meshes") if is_mjcf(text) else None
     urdf = args.urdf if converted is None else out.with_suffix(".urdf")
     for file in (out, shoe, reality, *(() if converted is None else (urdf,))):
         if file.exists() and not args.force:

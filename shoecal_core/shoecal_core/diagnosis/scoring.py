@@ -375,22 +375,19 @@ class Scorer:
 
     def reduced_root(self, scored: Scored) -> FloatArray:
         """(q + k, q + k) square root of the covariance of the reduced unknowns and sizes."""
-        weight = np.sqrt(COUNTS / scored.variance)[self.rows.group]
-        columns = self.rows.columns[:, list(scored.columns)]
-        whole = np.column_stack((self.basis.columns, columns)) * weight[:, None]
-        precision = np.concatenate((self.basis.prior(scored.levels), scored.std**-2.0))
-        return Posterior(whole.T @ whole, precision).root
+        return self._root(scored, self.basis.columns, self.basis.prior(scored.levels))
 
     def root(self, scored: Scored) -> FloatArray:
         """(p + k, p + k) square root of the covariance of a fit's vector."""
-        rows = self.rows
-        weight = np.sqrt(COUNTS / scored.variance)[rows.group]
-        whole = np.column_stack((rows.base, rows.columns[:, list(scored.columns)]))
+        found = self._root(scored, self.rows.base, self.rows.prior(scored.levels))
+        return self._whole(scored.columns) @ found
+
+    def _root(self, scored: Scored, base: FloatArray, precision: FloatArray) -> FloatArray:
+        """The same for a baseline of these columns (R, p), with these priors (p,)."""
+        weight = np.sqrt(COUNTS / scored.variance)[self.rows.group]
+        whole = np.column_stack((base, self.rows.columns[:, list(scored.columns)]))
         whole *= weight[:, None]
-        precision = np.concatenate((rows.prior(scored.levels), scored.std**-2.0))
-        turned = self._whole(scored.columns)
-        found: FloatArray = turned @ Posterior(whole.T @ whole, precision).root
-        return found
+        return Posterior(whole.T @ whole, np.concatenate((precision, scored.std**-2.0))).root
 
     def gains(
         self, hypotheses: Sequence[Hypothesis], kept: Scored | None = None

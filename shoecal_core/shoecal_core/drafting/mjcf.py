@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
 from shoecal_core.errors import FileError
-from shoecal_core.files import atomic_write, make_folder, read_bytes
+from shoecal_core.files import atomic_write, make_folder
 from shoecal_core.robot.urdf import written
 
 FloatArray = NDArray[np.float64]
@@ -65,15 +65,6 @@ class Converted:
         return urdf
 
 
-def is_mjcf(path: Path) -> bool:
-    """Whether a file's first element is MuJoCo's."""
-    try:
-        _, first = next(ElementTree.iterparse(path, events=("start",)))  # noqa: S314 - its name alone
-    except (ElementTree.ParseError, StopIteration, OSError):
-        return False
-    return bool(first.tag == "mujoco")
-
-
 def as_urdf(path: Path, meshes: str) -> Converted:
     """Read a robot's MJCF.
 
@@ -85,7 +76,6 @@ def as_urdf(path: Path, meshes: str) -> Converted:
         MjcfError: for a model that MuJoCo does not compile, or that is no tree of hinges and
             slides.
     """
-    read_bytes(path)  # what cannot be read has its own errors
     try:
         model = mujoco.MjSpec.from_file(str(path)).compile()
     except ValueError as error:
@@ -112,7 +102,7 @@ class _Writer:
 
     def written(self) -> Converted:
         """The URDF and its meshes."""
-        self._write_body(self._base, "", np.zeros(3))
+        self._write_body(self._base, "")
         self._write_sensors()
         ElementTree.indent(self._robot)
         text = ElementTree.tostring(self._robot, encoding="unicode")
@@ -213,18 +203,23 @@ class _Writer:
 
     # Links and joints
 
-    def _write_body(self, body: int, parent: str, shift: FloatArray) -> None:
+    def _anchor(self, body: int) -> FloatArray:
+        """(3,) where the frame of its link is: at its last joint [m]."""
+        joints = self._moving(body)
+        return np.array(self._model.jnt_pos[joints[-1]]) if joints else np.zeros(3)
+
+    def _write_body(self, body: int, parent: str) -> None:
         """A body, and all that hangs on it.
 
         Args:
             parent: link that it hangs on; empty: it is the base.
-            shift: where that link's frame is in its body's [m].
         """
         model, name = self._model, self._link_name(body)
-        rotation = np.eye(3) if not parent else _matrix(model.body_quat[body])
-        place = np.zeros(3) if not parent else model.body_pos[body] - shift
-        joints = self._moving(body)
-        anchor = np.zeros(3)
+        place, rotation = np.zeros(3), np.eye(3)
+        if parent:
+            place = model.body_pos[body] - self._anchor(int(model.body_parentid[body]))
+            rotation = _matrix(model.body_quat[body])
+        joints, anchor = self._moving(body), np.zeros(3)
         self._loose += [
             self._name(mjtObj.mjOBJ_JOINT, one)
             for one in self._joints_of(body)
@@ -244,8 +239,7 @@ class _Writer:
         self._write_inertial(link, body, anchor)
         self._write_shapes(link, body, anchor)
         for one in self._children(body):
-            if one in self._bodies:
-                self._write_body(one, name, anchor)
+            self._write_body(one, name)
 
     def _write_moving(
         self, joint: int, parent: str, child: str, place: FloatArray, rotation: FloatArray
@@ -381,13 +375,11 @@ class _Writer:
             body = int(model.site_bodyid[site])
             if body not in self._bodies or body == self._base:
                 continue
-            joints = self._moving(body)
-            anchor = model.jnt_pos[joints[-1]] if joints else np.zeros(3)
             name = f"{self._name(mjtObj.mjOBJ_SITE, site)}_force_torque"
             ElementTree.SubElement(self._robot, "link", {"name": name})
             self._write_joint(
                 f"{name}_joint", "fixed", self._link_name(body), name,
-                model.site_pos[site] - anchor, _matrix(model.site_quat[site]),
+                model.site_pos[site] - self._anchor(body), _matrix(model.site_quat[site]),
             )  # fmt: skip
             gazebo = ElementTree.SubElement(self._robot, "gazebo", {"reference": f"{name}_joint"})
             ElementTree.SubElement(gazebo, "sensor", {"name": name, "type": "force_torque"})

@@ -23,6 +23,7 @@ from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.samples.aligned import Aligned, align
 from shoecal_core.samples.clocks import check_clocks
+from shoecal_core.samples.filters import at_times
 from shoecal_core.samples.missing import missing
 from shoecal_core.samples.samples import Samples
 from shoecal_core.samples.sampling import make_samples
@@ -119,10 +120,7 @@ class SessionData:
     def _load(self) -> dict[int, FloatArray]:
         """(T, 2) by run, what each foot carries at the readings as recorded, where it is known."""
         return {
-            run: np.stack(
-                [np.interp(self.recorded[run].time, self.aligned[run].time, one) for one in load.T],
-                axis=1,
-            )
+            run: at_times(load, self.aligned[run].time, self.recorded[run].time)
             for run, load in self.screening.load.items()
         }
 

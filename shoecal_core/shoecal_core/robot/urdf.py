@@ -19,7 +19,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from shoecal_core.errors import FileError, FileSyntaxError
-from shoecal_core.file_kinds import XACRO, is_xacro
+from shoecal_core.file_kinds import XACRO, is_mjcf, is_xacro
 from shoecal_core.files import read_bytes
 from shoecal_core.robot.native_output import caught_stderr
 from shoecal_core.robot.symbolic import joint_axis
@@ -81,7 +81,7 @@ def read_urdf(path: Path) -> Urdf:
         FileSyntaxError: for a file that is no XML.
     """
     text = read_bytes(path).decode("utf-8", errors="replace")
-    if "<robot" not in text and "<mujoco" in text:
+    if is_mjcf(text):
         raise UrdfError(
             path, "is an MJCF; make a URDF and a robot file of it with `shoecal new robot`"
         )

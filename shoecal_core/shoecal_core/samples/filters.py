@@ -95,7 +95,7 @@ def evenly(
     """
     placed, even = resampled(values, time)
     made = work(placed, typical_period(time))
-    return made if even is time else _at(made, even, time)
+    return made if even is time else at_times(made, even, time)
 
 
 def resampled(values: FloatArray, time: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -104,7 +104,7 @@ def resampled(values: FloatArray, time: FloatArray) -> tuple[FloatArray, FloatAr
     if is_even(time):
         return values, time
     even = np.arange(time[0], time[-1] + period / 2.0, period)
-    return _at(values, time, even), even
+    return at_times(values, time, even), even
 
 
 def is_even(time: FloatArray) -> bool:
@@ -113,7 +113,7 @@ def is_even(time: FloatArray) -> bool:
     return bool(np.abs(np.diff(time) - period).max() <= EVEN * period)
 
 
-def _at(values: FloatArray, time: FloatArray, wanted: FloatArray) -> FloatArray:
+def at_times(values: FloatArray, time: FloatArray, wanted: FloatArray) -> FloatArray:
     """(K, ...) of values (T, ...) between whose times is interpolated."""
     columns = values.reshape(len(values), -1).T
     found = np.stack([np.interp(wanted, time, column) for column in columns], axis=1)

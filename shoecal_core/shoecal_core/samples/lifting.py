@@ -117,7 +117,7 @@ def hanging_foot(
         free = part[height[part] > FREE_SHARE * top]
         if load is not None:
             carries = load[:, foot] > STANDS_SHARE
-            if not carries[free].mean() > 0.5:
+            if carries[free].mean() <= 0.5:
                 hanging[part[carries[part]]] = NEITHER
                 free = free[~carries[free]]
             elif top < GIVE_M:

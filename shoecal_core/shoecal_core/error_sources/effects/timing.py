@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,24 +67,21 @@ class LowPass:
         running means, which are nearly a delay.
         """
         channels = places.all_channels_at(signal_model, place)
-        for time, bounds in LAGS.items():
 
-            def work(track: Track, second: float = 0.25 * time) -> FloatArray:
-                rate = slope(
-                    signal_model.parameters.outputs(track.readings)[:, channels], track.time
-                )
-                return -rate - second * slope(rate, track.time)
+        def rate_of(track: Track) -> FloatArray:
+            return slope(signal_model.parameters.outputs(track.readings)[:, channels], track.time)
 
-            columns = shown(signal_model, channels, signal_model.samples.decimated(work))[None]
-            yield Shape(("time",), columns, within={"time": bounds})
-        for time, bounds in MEANS.items():
+        def lagging(track: Track, time: float) -> FloatArray:
+            rate = rate_of(track)
+            return -rate - 0.25 * time * slope(rate, track.time)
 
-            def averaged(track: Track, time: float = time) -> FloatArray:
-                rate = slope(
-                    signal_model.parameters.outputs(track.readings)[:, channels], track.time
-                )
-                spread = 0.5 * MEANS_SPREAD * time * slope(rate, track.time)
-                return spread - rise(rate, track.time, time) / time
+        def averaged(track: Track, time: float) -> FloatArray:
+            rate = rate_of(track)
+            spread = 0.5 * MEANS_SPREAD * time * slope(rate, track.time)
+            return spread - rise(rate, track.time, time) / time
 
-            columns = shown(signal_model, channels, signal_model.samples.decimated(averaged))[None]
-            yield Shape(("time",), columns, within={"time": bounds})
+        for work, forms in ((lagging, LAGS), (averaged, MEANS)):
+            for time, bounds in forms.items():
+                read = signal_model.samples.decimated(partial(work, time=time))
+                columns = shown(signal_model, channels, read)[None]
+                yield Shape(("time",), columns, within={"time": bounds})
