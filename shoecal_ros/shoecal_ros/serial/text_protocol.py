@@ -30,9 +30,16 @@ _NUMBER = r"[+-]?(?:\d++\.?\d*+|\.\d++)(?:[eE][+-]?\d++)?"
 _COLUMN = re.compile(rf"(?:[A-Za-z_][\w./\[\]-]*+=)?({_NUMBER})\Z")
 _NO_NUMBER = re.compile(r"(?:[A-Za-z_][\w./\[\]-]*=)?[+-]?(?:nan|inf|ovf)\Z", re.IGNORECASE)
 
-_COUNTER_US = 2**32
-"""millis() and micros() of small controllers are 32 bits wide and wrap around."""
+_COUNTER = 2**32
+"""millis() and micros() of small controllers wrap around there; printed with a sign (`%d`, `long`),
+they go on at -2^31, the same modulo 2^32."""
 _WRAP_MARGIN = 2**28
+"""Ticks that may be lost where they wrap."""
+_NARROW = (2**16, 2**24, 2**31)
+"""Where counters wrap that firmware keeps in fewer bits."""
+_LOST_STEPS = 16
+"""Steps like the last one that may be lost where a narrow counter wraps: more is a device that
+started again."""
 
 
 class TextTime(Enum):
@@ -72,7 +79,8 @@ class TextDecoder(Decoder):
         self._form = form
         self._sequence = 0
         self._ticks: int | None = None
-        self._turns = 0
+        self._step = 0
+        self._carry = 0
 
     def split(self, data: bytes) -> list[bytes]:
         """At ends of lines, of whatever system."""
@@ -129,15 +137,27 @@ class TextDecoder(Decoder):
         return frame
 
     def _device_time(self, ticks: float) -> int | None:
-        """Device time [us] of a time column, carried on where a 32-bit counter wraps around."""
-        if not 0 <= ticks < 2**52:
+        """Device time [us] of a time column, carried on where the device's counter wraps around."""
+        if not -_COUNTER // 2 <= ticks < 2**52:
             return None
+        now = round(ticks)
+        last, self._ticks = self._ticks, now
+        if last is None or (now < last and not (around := self._around(now - last))):
+            # The device starts: a negative counter is one with a sign.
+            self._carry = _COUNTER if now < 0 else 0
+        elif now < last:
+            self._carry += around
+        else:
+            self._step = now - last
         scale = 1000 if self._time is TextTime.MILLISECONDS else 1
-        last, self._ticks = self._ticks, int(ticks)
-        if last is not None and ticks < last:
-            wrapped = last >= _COUNTER_US - _WRAP_MARGIN and ticks < _WRAP_MARGIN
-            self._turns = self._turns + 1 if wrapped and last < _COUNTER_US else 0
-        return round(ticks * scale) + self._turns * _COUNTER_US * scale
+        return round((ticks + self._carry) * scale)
+
+    def _around(self, back: int) -> int:
+        """Ticks after which the counter that went back by `back` starts over; 0 if it did not."""
+        if 0 <= back + _COUNTER < _WRAP_MARGIN:
+            return _COUNTER
+        narrow = _LOST_STEPS * self._step
+        return next((one for one in _NARROW if 0 < back + one <= narrow), 0)
 
 
 def _numbers(text: str) -> list[float] | None:

@@ -107,22 +107,29 @@ def test_device_time(time: TextTime, line: bytes, microseconds: int) -> None:
     assert frame.counts == (1, 2)
 
 
-@pytest.mark.parametrize("line", [b"-1,1\n", b"nan,1\n", b"1e300,1\n"])
+@pytest.mark.parametrize("line", [b"-1e10,1\n", b"nan,1\n", b"1e300,1\n"])
 def test_what_is_no_device_time(line: bytes) -> None:
     assert kinds(started(TextTime.MILLISECONDS).feed(line)) == [FaultKind.BAD_CONTENT]
 
 
 @pytest.mark.parametrize("time", [TextTime.MILLISECONDS, TextTime.MICROSECONDS])
-def test_device_time_goes_on_where_its_counter_wraps(time: TextTime) -> None:
-    decoder = started(time)
-    ticks = [(2**32 - 20 + 10 * step) % 2**32 for step in range(6)]
+@pytest.mark.parametrize("bits", [16, 24, 31, 32])
+@pytest.mark.parametrize("signed", [False, True])
+def test_device_time_goes_on_where_its_counter_wraps(
+    time: TextTime, bits: int, signed: bool
+) -> None:
+    """`micros()` in however many bits, printed as a number with a sign or without."""
+    decoder, least = started(time), -(2 ** (bits - 1)) if signed else 0
+    ticks = [(2**bits - 20 + 10 * step - least) % 2**bits + least for step in range(6)]
+    ticks += [tick + 2 ** (bits - 1) - 60 for tick in ticks[2:]] if signed else []
+    ticks += [-(2 ** (bits - 1)) + 10 * step for step in range(3)] if signed else []
     got = frames(decoder.feed(b"".join(b"%d,1\n" % tick for tick in ticks)))
+    times = [frame.device_time_us or 0 for frame in got]
     scale = 1000 if time is TextTime.MILLISECONDS else 1
-    steps = [
-        (after.device_time_us or 0) - (before.device_time_us or 0)
-        for before, after in itertools.pairwise(got)
-    ]
-    assert steps == [10 * scale] * 5
+    steps = [(after - before) % (2**bits * scale) for before, after in itertools.pairwise(times)]
+    expected = [(b - a) % 2**bits * scale for a, b in itertools.pairwise(ticks)]
+    assert steps == expected
+    assert times == sorted(times)
     assert decoder.counts.faults == {}
 
 
