@@ -18,6 +18,7 @@ from shoecal_core.drafting.body import Body, Shapes, find_shapes, own_joints, re
 from shoecal_core.drafting.capsules import DraftCapsule, find_capsules, pairs_of
 from shoecal_core.drafting.foot_cells import FootCells, find_cells
 from shoecal_core.drafting.legs import UP, LegChains, find_legs
+from shoecal_core.drafting.plausible import check_size
 from shoecal_core.drafting.posture import find_posture
 from shoecal_core.drafting.six_axis import (
     SixAxis,
@@ -166,6 +167,7 @@ def draft_robot(
     """
     body = read_body(urdf)
     legs = find_legs(body)
+    check_size(body, legs)
     shapes = find_shapes(body, {joint for chain in legs.chains for joint in chain})
     soles = _soles(body, legs, shapes, sole)
     sensors = find_six_axis(body, legs, soles)

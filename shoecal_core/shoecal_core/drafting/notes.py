@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from shoecal_core.drafting.draft import Draft
+from shoecal_core.drafting.plausible import doubts
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,10 @@ def robot_notes(draft: Draft) -> list[Note]:
             "weight",
             f"{draft.mass:.3f} kg is the sum of the URDF's masses.",
             "weigh the robot, without shoes, with battery; std_kg is the scale's.",
+        ),
+        *(
+            Note("weight", f"{doubt}.", "the masses of the URDF; frames have none.")
+            for doubt in doubts(draft.body, draft.legs)
         ),
         *_feet(draft),
         Note(

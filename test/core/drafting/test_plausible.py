@@ -1,0 +1,87 @@
+"""URDFs whose masses or lengths contradict each other, each made of a robot that is known."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from core.drafting.drafts import ROBOTS, draft
+from shoecal_core.drafting.draft import draft_robot
+from shoecal_core.drafting.notes import robot_notes
+from shoecal_core.errors import FileError
+
+FRAME = """<link name="{0}"><inertial><mass value="{1}"/><inertia ixx="0.1" ixy="0" ixz="0"
+    iyy="0.1" iyz="0" izz="0.1"/></inertial></link><joint name="{0}_mount" type="fixed">
+    <parent link="torso"/><child link="{0}"/></joint>"""
+
+
+def scaled(folder: Path, what: str, factor: float) -> Path:
+    """The known robot with all attributes of one pattern multiplied."""
+
+    def times(found: re.Match[str]) -> str:
+        values = " ".join(str(factor * float(one)) for one in found.group(2).split())
+        return f"{found.group(1)}{values}{found.group(3)}"
+
+    text = (ROBOTS / "wren.urdf").read_text()
+    text, count = re.subn(what, times, text)
+    assert count
+    file = folder / "wren.urdf"
+    file.write_text(text)
+    return file
+
+
+def with_frames(folder: Path, *frames: tuple[str, float]) -> Path:
+    """The known robot with links that have mass and no shape."""
+    text = (ROBOTS / "wren.urdf").read_text()
+    parent = re.search(r'<link name="([^"]*)"', text)
+    assert parent is not None
+    more = "".join(FRAME.format(*one) for one in frames).replace("torso", parent.group(1))
+    file = folder / "wren.urdf"
+    file.write_text(text.replace("</robot>", f"{more}</robot>"))
+    return file
+
+
+@pytest.mark.parametrize(
+    ("what", "factor", "said"),
+    [
+        (r'(<mass value=")([^"]*)(")', 1e3, r"kg on legs of .* m: are the masses in g\?"),
+        (r'(<mass value=")([^"]*)(")', 1e-3, r"kg on legs of .* m: are the masses in t\?"),
+        (r'(xyz=")([^"]*)(")', 1e3, r"the legs are .* m long: are the lengths in mm\?"),
+        (r'(xyz=")([^"]*)(")', 1e2, r"the legs are .* m long: are the lengths in cm\?"),
+    ],
+)
+def test_wrong_units_are_named(tmp_path: Path, what: str, factor: float, said: str) -> None:
+    with pytest.raises(FileError, match=said):
+        draft_robot(scaled(tmp_path, what, factor), "wren")
+
+
+@pytest.mark.parametrize("names", [("imu",), ("imu", "camera")])
+def test_frames_with_the_mass_of_the_whole_robot_are_named(
+    tmp_path: Path, names: tuple[str, ...]
+) -> None:
+    whole = draft("wren").mass
+    file = with_frames(tmp_path, *((name, whole) for name in names))
+    with pytest.raises(FileError, match=f"{' and '.join(names)}: no shape, and .* whole robot"):
+        draft_robot(file, "wren")
+
+
+def test_heavy_frames_are_to_be_checked_and_light_ones_are_not(tmp_path: Path) -> None:
+    whole = draft("wren").mass
+    found = robot_notes(draft_robot(with_frames(tmp_path, ("imu", 0.7 * whole)), "wren"))
+    assert any(note.found.startswith("imu has no shape and") for note in found)
+    light = robot_notes(draft_robot(with_frames(tmp_path, ("imu", 0.05 * whole)), "wren"))
+    assert len(light) == len(robot_notes(draft("wren"))) == len(found) - 1
+
+
+def test_legs_of_unlike_masses_are_to_be_checked(tmp_path: Path) -> None:
+    """One link's mass was written in another unit."""
+    text = (ROBOTS / "wren.urdf").read_text()
+    start = text.index('<link name="left_thigh">')
+    at = text.index('<mass value="', start) + len('<mass value="')
+    end = text.index('"', at)
+    file = tmp_path / "wren.urdf"
+    file.write_text(f"{text[:at]}{10.0 * float(text[at:end])}{text[end:]}")
+    found = [note.found for note in robot_notes(draft_robot(file, "wren"))]
+    assert any("left_thigh and right_thigh are" in one for one in found)
