@@ -1,4 +1,4 @@
-"""Masses and lengths of a URDF that no humanoid has: exporters write wrong units, and masses twice."""
+"""Masses and lengths that no humanoid has: exporters write wrong units, and masses twice."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from shoecal_core.drafting.legs import LegChains
 from shoecal_core.robot.urdf import UrdfError
 
 LEG_M = (0.03, 3.0)
-"""Length of a leg from the hip to the foot: from a toy's to that of a robot twice a man's height."""
+"""Length of a leg from the hip to the foot: from a toy's to a robot's of twice a man's height."""
 MILLIMETRES_FROM = 30.0
 """Length of a leg from which millimetres are likelier than centimetres."""
 DENSITY = (5.0, 3000.0)
@@ -61,9 +61,9 @@ def check_size(body: Body, legs: LegChains) -> None:
         if abs(rest - mass) < SAME_MASS * mass:
             raise UrdfError(
                 body.urdf,
-                f"{' and '.join(alike)}: no shape, and {mass:.3g} kg{' each' if alike[1:] else ''}, "
-                "as much as all other links together: exported with the mass of the whole robot? "
-                "Delete the <inertial>",
+                f"{' and '.join(alike)}: no shape, and {mass:.3g} kg"
+                f"{' each' if alike[1:] else ''}, as much as all other links together: "
+                "exported with the mass of the whole robot? Delete the <inertial>",
                 field=f"link {alike[0]}",
             )
 

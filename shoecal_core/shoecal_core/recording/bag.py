@@ -26,6 +26,7 @@ from shoecal_core.errors import (
     FileUnreadableError,
 )
 from shoecal_core.files import open_file, read_bytes, read_error
+from shoecal_core.recording.bag_copies import merged, of_this_profile, stored, unmerged
 from shoecal_core.recording.container import DAMAGE, ZSTD, check_honest
 from shoecal_core.recording.errors import RecordingError, reason_of
 from shoecal_core.recording.schemas import typestore
@@ -88,6 +89,7 @@ class Bag:
             problem = f"has no {METADATA}; name the .mcap or .db3 file in it"
             raise FileUnreadableError(self.path, f"{problem}, or call `ros2 bag reindex`")
         with self._damage(), ExitStack() as stack:
+            copies = Path(stack.enter_context(TemporaryDirectory()))
             if folder:
                 _check_folder(self.path)
                 path, files = self.path, sorted(self.path.glob("*.mcap"))
@@ -97,6 +99,12 @@ class Bag:
             for file in files:
                 if file.suffix == ".mcap":
                     _check_sums(file, file if folder else self.path)
+            if unmerged(path):
+                path = merged(path, METADATA, copies)
+            if folder:
+                _check_count(path, self.path)
+            elif path.suffix == ".mcap":
+                path = of_this_profile(path, self.path, copies)
             reader = AnyReader([path], default_typestore=typestore())
             self._reader = stack.enter_context(reader)
             self._connections = list(reader.connections)
@@ -197,6 +205,26 @@ def _check_folder(folder: Path) -> None:
                 problem = f"is compressed, but not listed so in {METADATA}; {_cure(packed)}"
                 raise FileUnreadableError(packed, problem)
         raise FileMissingError(file, f"is listed in {METADATA}, but does not exist; put it back")
+
+
+def _check_count(folder: Path, named: Path) -> None:
+    """Refuse SQLite files that hold fewer messages than their metadata says.
+
+    Args:
+        folder: of rosbag2. named: what an error calls it.
+
+    Raises:
+        RecordingError: with the cure.
+    """
+    there = stored(folder)
+    said = yaml.safe_load(read_bytes(folder / METADATA))[BAG_INFORMATION].get("message_count")
+    if there is not None and isinstance(said, int) and there < said:
+        raise RecordingError(
+            named,
+            f"{METADATA} says {said} messages, its .db3 files hold {there or 'none'}: copy the "
+            ".db3-wal files that lie next to them on the recorder, too, or make do with what is "
+            f"there by `ros2 bag reindex {named}`",
+        )
 
 
 def _cure(file: Path) -> str:

@@ -12,7 +12,6 @@ import numpy as np
 import yaml
 
 from shoecal_core.recording.bag import Bag
-from shoecal_core.recording.bag_import import WRENCH
 from shoecal_core.recording.bag_mapping import CHOOSE, FORMAT
 from shoecal_core.recording.bag_match import (
     Match,
@@ -23,12 +22,13 @@ from shoecal_core.recording.bag_match import (
     match_imu,
     match_joints,
     match_wrench,
+    other_types,
+    what_is_there,
 )
 from shoecal_core.recording.bag_support import angles_in_degrees, standing_support
 from shoecal_core.recording.container import MAX_RECORDS
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.foreign import ANGLE_UNIT
-from shoecal_core.recording.schemas import SHOE_VOLTAGES_TYPE
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import AXES, FEET, Shoe
@@ -85,25 +85,26 @@ def draft_mapping(bags: Sequence[Path], robot: Robot, shoe: Shoe) -> BagDraft:
         FileError: for a bag that cannot be read, without joint angles or readings.
     """
     with Bag(bags[0]) as bag:
-        seen = look_into(bag)
-        joints = match_joints(bags[0], seen, robot)
+        seen, others = look_into(bag), other_types(bag)
+        joints = match_joints(bag, seen, others, robot)
         degrees = joints.chosen and angles_in_degrees(bag, joints, robot)
+        there = what_is_there(bag)
     fields = {
         "joints": joints,
-        "cells": match_cells(seen, shoe),
+        "cells": match_cells(seen, others, shoe),
         **{f"wrenches.{foot}": match_wrench(seen, robot, shoe, foot) for foot in FEET},
         "imu": match_imu(seen, robot),
         "base_pose": match_base_pose(seen, robot),
     }
     found = {key: match for key, match in fields.items() if match is not None}
     if not {"cells", "wrenches.left", "wrenches.right"} & set(found):
-        kinds = f"{WRENCH} or {SHOE_VOLTAGES_TYPE}"
         raise RecordingError(
             bags[0],
-            f"holds no readings of '{shoe.name}' (no fitting topic of {kinds}); record them",
+            f"has no topic that fits '{shoe.name}' ({', '.join(shoe.names)}); {there}; record one, "
+            "or write in the mapping which field is which (cells: {TOPIC: {FIELD: CELL}})",
         )
     used = [topic for match in found.values() for topic in match.topics]
-    received = _other_clocks({topic: seen[topic] for topic in used})
+    received = _other_clocks({topic: (seen | others)[topic] for topic in used})
     notes = [f"{topic}: its stamps are of another clock or missing" for topic in received]
     notes += [DEGREES] if degrees else []
     notes += [
@@ -209,7 +210,9 @@ def mapping_text(draft: BagDraft, folder: Path, robot: Path, urdf: Path, shoe: P
 
 def _value(key: str, match: Match) -> dict[str, object]:
     """A field of the mapping."""
-    topics = list(match.topics)
+    topics = [topic for topic in match.topics if topic not in match.fields]
+    if not topics:
+        return {topic: dict(names) for topic, names in match.fields.items()}
     several = key in ("joints", "cells")
     named: dict[str, object] = {"topics": topics} if several else {"topic": topics[0]}
     value = named if match.chosen else {CHOOSE: topics}

@@ -15,7 +15,13 @@ from scipy.spatial.transform import Rotation
 from shoecal_core.errors import FieldError
 from shoecal_core.recording import foreign, messages, schemas
 from shoecal_core.recording.bag import Bag, BagMessage
-from shoecal_core.recording.bag_mapping import BagMapping, BagTrial, load_bag_mapping
+from shoecal_core.recording.bag_fields import numbers_in, table
+from shoecal_core.recording.bag_mapping import (
+    BagMapping,
+    BagTrial,
+    NamedTopics,
+    load_bag_mapping,
+)
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.foreign import Floats, ImportedRun, StampedMessage, Stamps
 from shoecal_core.recording.imported_angles import check_angles
@@ -95,6 +101,14 @@ class _Importer:
     def __init__(self, mapping: BagMapping, urdf: Outline, shoe: Shoe) -> None:
         self._mapping = mapping
         self._urdf = urdf
+        for topic, names in mapping.cells.fields.items():
+            for path, name in names.items():
+                if name not in shoe.names:
+                    raise FieldError(
+                        mapping.path,
+                        f"'{name}' is no channel of '{shoe.name}' ({', '.join(shoe.names)})",
+                        field=f"cells.{topic}.{path}",
+                    )
         for foot in mapping.wrenches:
             foreign.check_six_axis(mapping.path, f"wrenches.{foot}", shoe, foot)
         self._base_T_link = _base_T_link(mapping)
@@ -150,6 +164,11 @@ class _Importer:
         ]
         for key, topics, types in kinds:
             for topic in topics:
+                if topic in bag.topics and topic in {
+                    **mapping.joints.fields,
+                    **mapping.cells.fields,
+                }:
+                    continue
                 fitting = [name for name, one in bag.topics.items() if one.type in types]
                 if topic not in fitting:
                     kind = f"is {bag.topics[topic].type}" if topic in bag.topics else "is missing"
@@ -191,6 +210,9 @@ class _Importer:
         """Messages of a run made of those of one topic of the bag."""
         mapping = self._mapping
         contents = [message.content for message in received]
+        for own in (mapping.joints, mapping.cells):
+            if topic in own.fields:
+                return self._numbers(path, topic, own, stamps, contents)
         if topic in mapping.joints.topics:
             return self._joint_states(path, topic, stamps, contents, notes)
         if topic in mapping.cells.topics:
@@ -209,6 +231,43 @@ class _Importer:
                 force, torque = rows[:, :3] @ wrench.rotation.T, rows[:, 3:] @ wrench.rotation.T
                 found += foreign.wrenches(foot, kept, frame, force, torque)
         return found
+
+    def _numbers(
+        self, path: Path, topic: str, own: NamedTopics, stamps: list[int], contents: list[Any]
+    ) -> list[StampedMessage]:
+        """Joint angles or readings in messages of any type, by the paths of their fields."""
+        names = own.fields[topic]
+        try:
+            values = table(contents, list(names))
+        except LookupError as error:
+            listed = ", ".join(numbers_in(contents[0])) or "none"
+            raise RecordingError(
+                path,
+                f"its messages have no number '{error}'; there are: {listed}; correct the mapping",
+                field=topic,
+            ) from error
+        samples = _Samples("", stamps, list(values))
+        kept, rows = samples.ordered()
+        if own is self._mapping.joints:
+            unknown = sorted(set(names.values()) - self._urdf.joints)
+            if unknown:
+                raise FieldError(
+                    self._mapping.path,
+                    f"'{unknown[0]}' is no joint of the robot; correct it",
+                    field=f"joints.{topic}",
+                )
+            return foreign.joint_states(kept, list(names.values()), rows * self._mapping.angle_unit)
+        return [
+            StampedMessage(
+                stamp,
+                schemas.VOLTAGES,
+                messages.shoe_voltages(
+                    stamp, count, list(names.values()), row,
+                    np.where(np.isfinite(row), schemas.GOOD, schemas.NO_DATA), frame_id=topic,
+                ),
+            )
+            for count, (stamp, row) in enumerate(zip(kept.tolist(), rows, strict=True))
+        ]  # fmt: skip
 
     def _frame(self, topic: str, frame: str, notes: list[str]) -> str:
         """A frame as the URDF names it; one that it has not stays as it is."""
@@ -340,7 +399,9 @@ def _imu(frame: str, stamps: list[int], contents: list[Any]) -> list[StampedMess
 
 
 def stamp_ns(content: Any) -> int:
-    """Stamp of a message's header; 0 where its sender set none."""
+    """Stamp of a message's header; 0 where its sender set none, or where it has no header."""
+    if not hasattr(content, "header"):
+        return 0
     stamp = content.header.stamp
     return int(stamp.sec) * messages.SECOND_NS + int(stamp.nanosec)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -36,10 +36,13 @@ class NamedTopics:
     Attributes:
         topics: one or more.
         rename: name in the robot file or shoe file by name in the bag.
+        fields: of topics of whatever type: by topic, name in the robot file or shoe file by the
+            path of a number in its messages.
     """
 
     topics: tuple[str, ...]
     rename: Mapping[str, str]
+    fields: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -163,14 +166,23 @@ def load_bag_mapping(path: Path, folder: Path) -> BagMapping:
 
 
 def _named_topics(fields: Fields) -> NamedTopics:
-    fields.only("topics", "rename", CHOOSE)
+    keys = list(fields.keys())
+    own = [key for key in keys if key.startswith("/")]
+    fields.only("topics", "rename", CHOOSE, *own)
     _chosen(fields, "topics: [NAME]")
     rename = fields.mapping("rename") if "rename" in fields else None
-    topics = tuple(fields.texts("topics"))
-    if not topics:
+    given = {topic: fields.mapping(topic) for topic in own}
+    by_path = {topic: {path: one.text(path) for path in one.keys()} for topic, one in given.items()}
+    for topic, names in by_path.items():
+        if not names:
+            raise fields.error(topic, "names no field; write {FIELD: NAME, ...}")
+    topics = tuple(fields.texts("topics")) if "topics" in fields or not own else ()
+    if not topics and not own:
         raise fields.error("topics", "is empty; name the topics")
     return NamedTopics(
-        topics, {} if rename is None else {name: rename.text(name) for name in rename.keys()}
+        (*topics, *own),
+        {} if rename is None else {name: rename.text(name) for name in rename.keys()},
+        by_path,
     )
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,13 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from shoecal_core.recording.bag import Bag
+from shoecal_core.recording.bag_fields import (
+    LOLA_JOINTS,
+    LOLA_POSITIONS,
+    arrays_in,
+    cells_by_words,
+    numbers_in,
+)
 from shoecal_core.recording.bag_import import IMU, JOINT_STATE, POSE_TYPES, WRENCH, stamp_ns
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.names import matched_names, without_prefix
@@ -28,6 +34,7 @@ BASE = ROOT_JOINTS - 1
 LOADED_SHARE = 0.1
 """Of the robot's weight, that a foot carries on average."""
 PARALLEL = np.cos(np.radians(2.0))
+ORDER = "its numbers have no names and are taken in the order of the"
 _WORDS = {
     "left": re.compile(r"(^|[^a-z])(left|l)([^a-z]|$)"),
     "right": re.compile(r"(^|[^a-z])(right|r)([^a-z]|$)"),
@@ -46,6 +53,7 @@ class TopicContent:
         names: joints or cells that they name.
         force: (3,) mean force of wrenches [N].
         offset_s: how much later than stamped they were received, median [s]; None: no stamps.
+        numbers: paths of the numbers in a message of a type that is not known.
     """
 
     type: str
@@ -54,6 +62,7 @@ class TopicContent:
     names: tuple[str, ...]
     force: NDArray[np.float64]
     offset_s: float | None
+    numbers: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -66,6 +75,7 @@ class Match:
         rename: name of robot or shoe by name in the bag.
         extra: further fields.
         notes: what to check, a line each.
+        fields: of topics of other types: names of robot or shoe by path, by topic.
     """
 
     topics: tuple[str, ...]
@@ -73,12 +83,42 @@ class Match:
     rename: Mapping[str, str] = field(default_factory=dict)
     extra: Mapping[str, object] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    fields: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+
+
+KNOWN = frozenset({JOINT_STATE, WRENCH, IMU, SHOE_VOLTAGES_TYPE, *POSE_TYPES})
+"""Types that are read for what they mean; of all others the numbers are."""
+
+
+def what_is_there(bag: Bag) -> str:
+    """Its topics, for who looks for one that is not there."""
+    topics = [f"{name} ({one.type}, {one.count} messages)" for name, one in bag.topics.items()]
+    return f"it holds {', '.join(topics) or 'no topics'}"
+
+
+def other_types(bag: Bag) -> dict[str, TopicContent]:
+    """The topics of all other types that have numbers, by their first messages."""
+    found = {}
+    for name, one in bag.topics.items():
+        if one.type in KNOWN or not one.count:
+            continue
+        try:
+            message = next(bag.messages((name,)), None)
+        except RecordingError:
+            # A type without a definition in the bag: what it holds is not known.
+            continue
+        numbers = () if message is None else tuple(numbers_in(message.content))
+        if message is None or not numbers:
+            continue
+        stamp = stamp_ns(message.content)
+        delay = 1e-9 * (message.received_ns - stamp) if stamp else None
+        found[name] = TopicContent(one.type, (), (), (), np.zeros(3), delay, numbers)
+    return found
 
 
 def look_into(bag: Bag) -> dict[str, TopicContent]:
     """The topics of known types."""
-    known = {JOINT_STATE, WRENCH, IMU, SHOE_VOLTAGES_TYPE, *POSE_TYPES}
-    wanted = {name: one for name, one in bag.topics.items() if one.type in known and one.count}
+    wanted = {name: one for name, one in bag.topics.items() if one.type in KNOWN and one.count}
     contents: dict[str, list[Any]] = {name: [] for name in wanted}
     delays: dict[str, list[float]] = {name: [] for name in wanted}
     open_topics = set(wanted)
@@ -118,11 +158,21 @@ def _seen(kind: str, contents: Sequence[Any], delays: Sequence[float]) -> TopicC
     )
 
 
-def match_joints(path: Path, seen: Mapping[str, TopicContent], robot: Robot) -> Match:
+def match_joints(
+    bag: Bag,
+    seen: Mapping[str, TopicContent],
+    others: Mapping[str, TopicContent],
+    robot: Robot,
+) -> Match:
     """The topics that name the robot's joints: one that has all its legs, or several together.
 
+    Args:
+        bag: open.
+        seen, others: its topics of known types, and of others.
+        robot: whose joints they are.
+
     Raises:
-        RecordingError: where no topic of the bag `path` names any of them.
+        RecordingError: where no topic of the bag names any of them.
     """
     renames = {
         name: matched_names(one.names, robot.joint_names)
@@ -131,10 +181,25 @@ def match_joints(path: Path, seen: Mapping[str, TopicContent], robot: Robot) -> 
     }
     renames = {name: rename for name, rename in renames.items() if rename}
     if not renames:
+        match = _joints_by_field(others, robot)
+        if match is not None:
+            return match
+        states = {name: one for name, one in bag.topics.items() if one.type == JOINT_STATE}
+        named = [name for name in states if name in seen]
         known = ", ".join(robot.joint_names[:5])
-        raise RecordingError(
-            path, f"no {JOINT_STATE} names joints of '{robot.name}' ({known}, …); check --robot"
-        )
+        if named:
+            text = f"{', '.join(named)} names {', '.join(seen[named[0]].names[:5])}, …"
+            problem = (
+                f"{text}, and none of the joints of '{robot.name}' ({known}, …); check --robot"
+            )
+        elif states:
+            problem = f"{', '.join(states)} is there, but holds no message; record it again"
+        else:
+            problem = (
+                f"has no joint angles ({JOINT_STATE}); {what_is_there(bag)}; write in the "
+                "mapping which field is which joint (joints: {TOPIC: {FIELD: JOINT}})"
+            )
+        raise RecordingError(bag.path, problem)
     topics, rivals = _apart(renames, set(robot.leg_names))
     if rivals:
         return Match(tuple(sorted({*topics, *rivals})), chosen=False)
@@ -176,18 +241,64 @@ def _apart(renames: Mapping[str, Mapping[str, str]], legs: set[str]) -> tuple[li
     return topics, rivals
 
 
-def match_cells(seen: Mapping[str, TopicContent], shoe: Shoe) -> Match | None:
-    """The topics that name the shoe's cells."""
+def _joints_by_field(others: Mapping[str, TopicContent], robot: Robot) -> Match | None:
+    """The topic whose fields are the robot's joints, by their names or by their usual order."""
+    joints = robot.joint_names
+    for topic, one in others.items():
+        named = matched_names([path.rpartition(".")[2] for path in one.numbers], joints)
+        if len(named) >= len(robot.leg_names):
+            paths = {path.rpartition(".")[2]: path for path in one.numbers}
+            return _by_field({topic: {paths[name]: joint for name, joint in named.items()}})
+        for paths_of in arrays_in(one.numbers).values():
+            if one.type == LOLA_POSITIONS and len(paths_of) == len(LOLA_JOINTS):
+                order = dict(zip(paths_of, LOLA_JOINTS, strict=True))
+                own = {path: joint for path, joint in order.items() if joint in joints}
+                return _by_field({topic: own}, f"{topic}: joints in the order of JointIndexes.msg")
+            if len(paths_of) == len(joints) and "joint" in topic.lower():
+                own = dict(zip(paths_of, joints, strict=True))
+                return _by_field({topic: own}, f"{topic}: {ORDER} robot file; correct it")
+    return None
+
+
+def _by_field(fields: Mapping[str, Mapping[str, str]], *notes: str) -> Match:
+    return Match(tuple(fields), fields=fields, notes=notes)
+
+
+def match_cells(
+    seen: Mapping[str, TopicContent], others: Mapping[str, TopicContent], shoe: Shoe
+) -> Match | None:
+    """The topics that name the shoe's cells, or whose fields do, or one array of as many."""
     fitting = {
         name: matched_names(one.names, shoe.names)
         for name, one in seen.items()
         if one.type == SHOE_VOLTAGES_TYPE
     }
     fitting = {name: rename for name, rename in fitting.items() if rename}
-    if not fitting:
+    if fitting:
+        rename = {old: new for one in fitting.values() for old, new in one.items() if old != new}
+        return Match(tuple(fitting), rename=rename)
+    by_words = {
+        topic: names
+        for topic, one in others.items()
+        if (names := cells_by_words(topic, one.numbers, shoe.names))
+    }
+    if by_words:
+        given = {name for names in by_words.values() for name in names.values()}
+        lacking = ", ".join(name for name in shoe.names if name not in given)
+        notes = ["which field is which cell, by their words"]
+        notes += [f"no field is {lacking}; add it"] if lacking else []
+        return _by_field(by_words, *notes)
+    arrays = [
+        (topic, paths)
+        for topic, one in others.items()
+        for paths in arrays_in(one.numbers).values()
+        if len(paths) == len(shoe.names)
+    ]
+    if len(arrays) != 1:
         return None
-    rename = {old: new for one in fitting.values() for old, new in one.items() if old != new}
-    return Match(tuple(fitting), rename=rename)
+    topic, paths = arrays[0]
+    own = dict(zip(paths, shoe.names, strict=True))
+    return _by_field({topic: own}, f"{topic}: {ORDER} shoe file; correct it")
 
 
 def match_wrench(

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.recording.bag import Bag
+from shoecal_core.recording.bag_fields import table
 from shoecal_core.recording.bag_match import Match
 from shoecal_core.recording.limits import in_degrees
 from shoecal_core.robot.double_support import DoubleSupport
@@ -69,13 +70,19 @@ def _measured(
     names: list[str] = []
     rows: list[NDArray[np.float64]] = []
     for message in bag.messages(joints.topics, *ends):
-        found = [joints.rename.get(name, name) for name in message.content.name]
-        if len(message.content.position) != len(found):
+        fields = joints.fields.get(message.topic)
+        if fields is None:
+            found = [joints.rename.get(name, name) for name in message.content.name]
+            position = message.content.position
+        else:
+            found = list(fields.values())
+            position = table([message.content], list(fields))[0]
+        if len(position) != len(found):
             continue
         if len(found) > len(names):
             names, rows = found, []
         if found == names:
-            rows.append(message.content.position)
+            rows.append(position)
     if not rows:
         return [], np.zeros((0, 0))
     chosen = np.unique(np.linspace(0, len(rows) - 1, SAMPLES).astype(np.int64))

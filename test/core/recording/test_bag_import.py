@@ -381,11 +381,11 @@ def test_commanded_and_measured_joints_are_asked_for(lab: Lab) -> None:
 
 def test_a_bag_of_another_robot(lab: Lab) -> None:
     recorded = bags.walk(lab.folder, "walk", "mcap", ("a", "b")).close()
-    with pytest.raises(FileError, match="names joints of 'wren'"):
+    with pytest.raises(FileError, match="names a, b, …, and none of the joints of 'wren'"):
         lab.draft(recorded)
     lab.shoe.write_text(samples.SHOE_YAML)
     recorded = bags.walk(lab.folder, "other", "mcap", lab.joints).close()
-    with pytest.raises(FileError, match="holds no readings of 'test_shoe'"):
+    with pytest.raises(FileError, match="has no topic that fits 'test_shoe'"):
         lab.draft(recorded)
 
 

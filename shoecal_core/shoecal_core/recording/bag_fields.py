@@ -1,0 +1,127 @@
+"""Numbers in messages of any type, by the path of their field: `left_front`, `data[3]`."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import fields, is_dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+MOST_ELEMENTS = 64
+"""Of an array, that are taken for readings or joint angles; images have more."""
+_STEP = re.compile(r"(\w+)((?:\[\d+\])*)\Z")
+_SKIPPED = ("header", "layout")
+_SIDES = {"left": "left", "l": "left", "right": "right", "r": "right"}
+_PLACES = {"back": "rear", "hind": "rear", "heel": "rear", "toe": "front", "fore": "front"}
+LOLA_POSITIONS = "nao_lola_sensor_msgs/msg/JointPositions"
+LOLA_JOINTS = (
+    "HeadYaw", "HeadPitch", "LShoulderPitch", "LShoulderRoll", "LElbowYaw", "LElbowRoll",
+    "LWristYaw", "LHipYawPitch", "LHipRoll", "LHipPitch", "LKneePitch", "LAnklePitch",
+    "LAnkleRoll", "RHipRoll", "RHipPitch", "RKneePitch", "RAnklePitch", "RAnkleRoll",
+    "RShoulderPitch", "RShoulderRoll", "RElbowYaw", "RElbowRoll", "RWristYaw", "LHand", "RHand",
+)  # fmt: skip
+"""Order of a NAO's joints in its interface to the robot's own computer, LoLA (JointIndexes.msg)."""
+
+
+def number_at(content: Any, path: str) -> float:
+    """The number at a path such as `a.b[2]` of a message.
+
+    Raises:
+        LookupError: there is none.
+    """
+    found = content
+    for step in path.split("."):
+        match = _STEP.match(step)
+        if match is None or not hasattr(found, match.group(1)):
+            raise LookupError(path)
+        found = getattr(found, match.group(1))
+        for place in re.findall(r"\d+", match.group(2)):
+            found = found[int(place)]
+    if not isinstance(found, bool | int | float | np.number):
+        raise LookupError(path)
+    return float(found)
+
+
+def numbers_in(content: Any, prefix: str = "") -> Iterator[str]:
+    """Paths of all numbers of a message, without its header."""
+    for field in fields(content):
+        value, path = getattr(content, field.name), f"{prefix}{field.name}"
+        if field.name in _SKIPPED:
+            continue
+        if is_dataclass(value):
+            yield from numbers_in(value, f"{path}.")
+        elif isinstance(value, int | float | np.number) and not isinstance(value, bool):
+            yield path
+        elif isinstance(value, list | np.ndarray) and len(value) <= MOST_ELEMENTS:
+            for at, one in enumerate(value):
+                if is_dataclass(one):
+                    yield from numbers_in(one, f"{path}[{at}].")
+                elif isinstance(one, int | float | np.number):
+                    yield f"{path}[{at}]"
+
+
+def table(contents: Sequence[Any], paths: Sequence[str]) -> FloatArray:
+    """(T, k) numbers at paths of messages; NaN where a message has none.
+
+    Raises:
+        LookupError: a path that no message has.
+    """
+    found = np.full((len(contents), len(paths)), np.nan)
+    for column, path in enumerate(paths):
+        there = 0
+        for row, one in enumerate(contents):
+            try:
+                found[row, column] = number_at(one, path)
+                there += 1
+            except LookupError:
+                continue
+        if not there:
+            raise LookupError(path)
+    return found
+
+
+def cells_by_words(topic: str, paths: Sequence[str], cells: Sequence[str]) -> dict[str, str]:
+    """Cell by path, where topic and field say foot and place: `l_foot_front_left`, or `left_back`
+    on a topic of the left foot.
+    """
+    places = {
+        cell: (foot, set(_words(place)))
+        for cell in cells
+        for foot, _, place in [cell.partition("/")]
+    }
+    found: dict[str, str] = {}
+    for path in paths:
+        words = [*_words(topic), *_words(path)]
+        at = next((at for at, word in enumerate(words) if word in _SIDES.values()), None)
+        if at is None:
+            continue
+        rest = set(words[at + 1 :]) | set(words[:at])
+        fitting = [
+            cell for cell, (foot, own) in places.items() if foot == words[at] and own <= rest
+        ]
+        longest = max((len(places[cell][1]) for cell in fitting), default=0)
+        fitting = [cell for cell in fitting if len(places[cell][1]) == longest]
+        if len(fitting) == 1:
+            found[path] = fitting[0]
+    return found if len(set(found.values())) == len(found) else {}
+
+
+def arrays_in(paths: Sequence[str]) -> Mapping[str, list[str]]:
+    """Paths of each array of numbers, by the array's path."""
+    found: dict[str, list[str]] = {}
+    for path in paths:
+        name, bracket, place = path.rpartition("[")
+        if bracket and place[:-1].isdigit():
+            found.setdefault(name, []).append(path)
+    return found
+
+
+def _words(text: str) -> list[str]:
+    """Its words, sides and places by their usual names."""
+    parts = re.findall(r"[a-z]+", re.sub(r"([a-z])([A-Z])", r"\1 \2", text).lower())
+    return [_PLACES.get(word, _SIDES.get(word, word)) for word in parts]

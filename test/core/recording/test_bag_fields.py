@@ -1,0 +1,191 @@
+"""Readings and joint angles in messages that are no part of ROS's common types, in real bags."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from rosbags.typesys import get_types_from_msg
+
+from core.recording import bags
+from core.shoe.shoes import ROOT
+from shoecal_core.errors import FileError
+from shoecal_core.files import read_yaml, write_yaml
+from shoecal_core.recording.bag_draft import draft_mapping, mapping_text
+from shoecal_core.recording.bag_fields import LOLA_JOINTS, LOLA_POSITIONS, cells_by_words
+from shoecal_core.recording.bag_import import import_bags
+from shoecal_core.recording.session import Session
+from shoecal_core.robot.robot_file import load_robot
+from shoecal_core.shoe.shoe import load_shoe
+
+ROBOT, SHOE = ROOT / "config/robots/nao.yaml", ROOT / "config/shoes/nao_shoe.yaml"
+COUNT, STEP_S = 120, 0.02
+HEADER = "std_msgs/Header header\n"
+CORNERS = ("front_left", "front_right", "rear_left", "rear_right")
+
+
+class Recording:
+    """A bag of a NAO that stands, written as its own drivers would."""
+
+    def __init__(self, folder: Path, types: Mapping[str, str]) -> None:
+        self.bag = bags.BagWriter(folder, "bag", "mcap")
+        for kind, definition in types.items():
+            self.bag.store.register(get_types_from_msg(definition, kind))
+        self.shoe = load_shoe(SHOE)
+        self.robot = load_robot(ROBOT, self.shoe)
+
+    def value(self, cell: str, time: float) -> float:
+        """Of a cell at a time: each has its own."""
+        return 0.1 * self.shoe.names.index(cell) + 0.01 * math.sin(time)
+
+    def joint_states(self) -> None:
+        names = [*self.robot.joint_names]
+        angles = [posture(joint) for joint in names]
+        for time in times():
+            self.bag.add(time, "/joint_states", self.bag.joint_state(time, names, angles))
+
+    def numbers(self, topic: str, kind: str, fields: Sequence[str], cells: Sequence[str]) -> None:
+        """One field a cell, stamped."""
+        for time in times():
+            values = {
+                field: self.value(cell, time) for field, cell in zip(fields, cells, strict=True)
+            }
+            self.bag.add(time, topic, self.bag.make(kind, header=self.bag.header(time), **values))
+
+    def imported(self, folder: Path) -> Session:
+        """Drafted and imported with nothing edited."""
+        path = self.bag.close()
+        draft = draft_mapping([path], self.robot, self.shoe)
+        mapping = folder / "mapping.yaml"
+        mapping.write_text(mapping_text(draft, folder, ROBOT, self.robot.urdf, SHOE))
+        return import_bags(mapping, folder, folder / "session")
+
+    def assert_arrived(self, session: Session) -> None:
+        """All readings by their cells."""
+        readings = session.read(1).readings
+        assert readings.names == self.shoe.names
+        for column, cell in enumerate(self.shoe.names):
+            expected = [self.value(cell, time) for time in times()]
+            found = readings.value[:, column]
+            np.testing.assert_allclose(found[~np.isnan(found)], expected, atol=1e-6)
+
+
+def times() -> list[float]:
+    return [STEP_S * step for step in range(COUNT)]
+
+
+def posture(joint: str) -> float:
+    return float(POSTURE.get(joint, 0.0))
+
+
+POSTURE = {
+    str(name): float(value)
+    for name, value in read_yaml(ROBOT).value("posture_rad").items()  # type: ignore[attr-defined]
+}
+FOUR = HEADER + "".join(
+    f"float64 {name}\n" for name in ("left_front", "left_back", "right_front", "right_back")
+)
+EIGHT = HEADER + "".join(
+    f"float32 {side}_foot_{place}\n"
+    for side in "lr"
+    for place in ("front_left", "front_right", "back_left", "back_right")
+)
+
+
+def test_fields_named_by_corner_on_a_topic_a_foot(tmp_path: Path) -> None:
+    kind = "team_msgs/msg/FootPressure"
+    recording = Recording(tmp_path, {kind: FOUR})
+    recording.joint_states()
+    for side in ("left", "right"):
+        cells = [
+            f"{side}/{place}" for place in ("front_left", "rear_left", "front_right", "rear_right")
+        ]
+        fields = ("left_front", "left_back", "right_front", "right_back")
+        recording.numbers(f"/foot_pressure_{side}/raw", kind, fields, cells)
+    recording.assert_arrived(recording.imported(tmp_path))
+
+
+def test_a_message_of_all_cells_and_joints_by_their_order(tmp_path: Path) -> None:
+    """As a NAO's own interface sends them: without names, without stamps."""
+    readings = "team_msgs/msg/Fsr"
+    recording = Recording(
+        tmp_path,
+        {readings: EIGHT.replace(HEADER, ""), LOLA_POSITIONS: "float32[25] positions\n"},
+    )
+    fields = [f"{side}_foot_{place.replace('rear', 'back')}" for side in "lr" for place in CORNERS]
+    cells = [f"{side}/{place}" for side in ("left", "right") for place in CORNERS]
+    angles = np.array([posture(joint) for joint in LOLA_JOINTS], dtype=np.float32)
+    make = recording.bag.make
+    for time in times():
+        values = {
+            field: recording.value(cell, time) for field, cell in zip(fields, cells, strict=True)
+        }
+        recording.bag.add(time, "/sensors/fsr", make(readings, **values))
+        recording.bag.add(time, "/sensors/joints", make(LOLA_POSITIONS, positions=angles))
+    session = recording.imported(tmp_path)
+    recording.assert_arrived(session)
+    joints = session.read(1).joints
+    for joint in LOLA_JOINTS:
+        if joint in joints.names:
+            found = joints.position[:, joints.names.index(joint)]
+            np.testing.assert_allclose(found, posture(joint), atol=1e-6)
+
+
+def test_an_array_is_taken_in_the_order_of_the_shoe_file_and_that_is_to_be_checked(
+    tmp_path: Path,
+) -> None:
+    recording = Recording(tmp_path, {})
+    recording.joint_states()
+    make = recording.bag.make
+    layout = make("std_msgs/msg/MultiArrayLayout", dim=[], data_offset=0)
+    for time in times():
+        data = np.array([recording.value(cell, time) for cell in recording.shoe.names], np.float32)
+        message = make("std_msgs/msg/Float32MultiArray", layout=layout, data=data)
+        recording.bag.add(time, "/load_cells", message)
+    recording.assert_arrived(recording.imported(tmp_path))
+    text = (tmp_path / "mapping.yaml").read_text()
+    assert "# CHECK: /load_cells: its numbers have no names" in text
+
+
+@pytest.mark.parametrize(
+    ("cells", "problem"),
+    [
+        ({"/load_cells": {"data[9]": "left/front_left"}}, r"have no number 'data\[9\]'; there are"),
+        ({"/load_cells": {"datum": "left/front_left"}}, "have no number 'datum'; there are"),
+        ({"/load_cells": {"data[0]": "left/toe"}}, "'left/toe' is no channel of 'nao_shoe'"),
+        ({"/load_cells": {}}, "names no field"),
+        ({"/cells": {"data[0]": "left/front_left"}}, "'/cells' is missing in"),
+    ],
+)
+def test_a_wrong_field_is_one_line(tmp_path: Path, cells: object, problem: str) -> None:
+    test_an_array_is_taken_in_the_order_of_the_shoe_file_and_that_is_to_be_checked(tmp_path)
+    mapping = tmp_path / "mapping.yaml"
+    fields = read_yaml(mapping)
+    values = {key: fields.value(key) for key in fields.keys()} | {"cells": cells}
+    if "/cells" in str(cells):
+        values.pop("received")
+    write_yaml(mapping, values)
+    with pytest.raises(FileError, match=problem):
+        import_bags(mapping, tmp_path, tmp_path / "again")
+
+
+def test_topics_that_fit_nothing_are_listed(tmp_path: Path) -> None:
+    recording = Recording(tmp_path, {"team_msgs/msg/Odd": "float64 speed\n"})
+    recording.joint_states()
+    recording.bag.add(0.0, "/odd", recording.bag.make("team_msgs/msg/Odd", speed=1.0))
+    with pytest.raises(FileError, match=r"it holds .*/odd \(team_msgs/msg/Odd, 1 messages\)"):
+        recording.imported(tmp_path)
+
+
+@given(st.permutations(range(4)), st.sampled_from(["{0}/{1}", "{1}_{0}", "cell_{0}_{1}.value"]))
+def test_words_name_cells_in_any_order(order: list[int], form: str) -> None:
+    cells = tuple(f"{side}/{place}" for side in ("left", "right") for place in CORNERS)
+    paths = [form.format(*CORNERS[at].split("_")).replace("/", "_") for at in order]
+    found = cells_by_words("/left_foot", paths, cells)
+    assert found == {path: f"left/{CORNERS[at]}" for path, at in zip(paths, order, strict=True)}
+    assert cells_by_words("/imu", ["x", "y"], cells) == {}
