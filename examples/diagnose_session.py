@@ -16,10 +16,10 @@ from shoecal_core.cli import main as shoecal
 from shoecal_core.cli.progress import shown_progress
 from shoecal_core.workspace import config_dir
 
-EFFECT = (
-    "{effect: nonlinearity, location: [left/front_left], quadratic_per_n: 0.012, cubic_per_n2: 0}"
-)
-BENDS = f"{{format: 1, name: a cell that bends, effects: [{EFFECT}]}}"
+BENDS = """format: 1
+effects:
+- {effect: nonlinearity, location: [left/front_left], quadratic_per_n: 0.012, cubic_per_n2: 0.0}
+"""
 
 
 def simulated(folder: Path) -> Path:
@@ -49,8 +49,8 @@ def main() -> None:
     axes.set(xlabel="run", xticks=runs, ylabel="RMS of all signals, over their noise")
     seen = found.evidence or parser.error("no evidence to draw")
     for place, one in enumerate(filter(None, (seen.without, seen.explained))):
-        squares = (one.residuals / seen.noise) ** 2
-        heights = [np.nanmean(squares[seen.run == run]) ** 0.5 for run in runs]
+        gaps = [one.residuals[seen.run == run] / seen.noise for run in runs]
+        heights = [np.nanmean(gap**2) ** 0.5 for gap in gaps]
         axes.bar(np.array(runs) + 0.4 * place, heights, 0.4, label=one.label)
     axes.legend()
     figure.savefig(args.out / "diagnose_session.png")

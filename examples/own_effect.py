@@ -31,9 +31,7 @@ class Tether:
 
     def shapes(self, signal_model: SignalModel, _place: Place) -> Iterator[Shape]:
         forward = signal_model.samples.cop[:, 0]
-        added = signal_model.by_model(
-            forward.mean() - forward, np.zeros((len(forward), 2))
-        )  # 1 N/m
+        added = signal_model.by_model(forward.mean() - forward, np.zeros((len(forward), 2)))
         yield Shape(("stiffness",), added[None])
 
 

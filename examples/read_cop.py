@@ -17,8 +17,7 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.utilities import remove_ros_args
 
-LIVE = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
-"""As `/shoe/cop` is published; a controller needs the newest only, a depth of 1."""
+LIVE = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)  # as it is published
 
 
 class CopReader(Node):
