@@ -2,8 +2,7 @@
 
     .venv/bin/python examples/compare_calibrations.py --session out/examples/session
 
-The robot of this simulated session is simulated again on a warm day, on which one cell's reading
-is 10 % larger. calibrate_session.py makes such a session.
+The robot of calibrate_session.py is simulated again, on a day on which one cell reads 10 % more.
 """
 
 import argparse
