@@ -25,6 +25,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "diagnose_session": (),
     "own_effect": (),
     "own_shoe": (),
+    "correct_mjcf": (),
     "import_log": ("--session", "session"),
     "compare_calibrations": ("--session", "session"),
     "read_cop": ("--count", "200"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import subprocess
@@ -20,6 +21,8 @@ from ros.world import World
 from shoecal_core.estimation.calibration import load_calibration
 from shoecal_core.files import read_yaml
 from shoecal_core.robot.kinematics import Kinematics
+from shoecal_core.robot.robot_file import load_robot
+from shoecal_core.shoe.shoe import load_shoe
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 LONGEST = 60
@@ -119,6 +122,44 @@ def test_own_shoe(out: Path) -> None:
     said = run("own_shoe", out)
     assert "PASS: every check passed" in said
     assert number("median:", said) < 4.0
+
+
+def test_correct_mjcf(out: Path) -> None:
+    said = run("correct_mjcf", out)
+    assert number("corrected one:", said) < number("against the model:", said)
+    for name in ("robot.yaml", "robot.urdf"):
+        assert (out / "mjcf" / name).is_file()
+    shoe = load_shoe(out / "mjcf" / "my_shoe.yaml")
+    # The robot of the simulator has its body's CoM 5 mm further forward than its files say.
+    found, drafted = (
+        load_robot(out / "mjcf" / name, shoe).model for name in ("robot.yaml", "my.yaml")
+    )
+    base = [float(model.inertias[1].lever[0]) for model in (found, drafted)]
+    assert base[0] - base[1] == pytest.approx(0.005, abs=0.0035)
+
+
+def test_tutorial_runs(
+    calibrated: str, out: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """Its cells in order, in one process and from one folder."""
+    monkeypatch.chdir(out)
+    monkeypatch.setenv("MPLBACKEND", "agg")
+    tutorial = out / "tutorial"
+    tutorial.mkdir()
+    for name in ("session", "bends"):
+        if (out / name).exists():  # of the scripts: the same robot
+            (tutorial / name).symlink_to(out / name)
+    notebook = json.loads((EXAMPLES / "tutorial.ipynb").read_text())
+    names: dict[str, object] = {}
+    for cell in notebook["cells"]:
+        if cell["cell_type"] == "code":
+            assert not cell["outputs"]
+            exec("".join(cell["source"]), names)  # as Jupyter does
+    said = capfd.readouterr().out
+    assert "PASS: every check passed" in said
+    assert number("against the truth, test:", said) < 4.0
+    assert "explained" in said
+    assert "nonlinearity (left/front_left)" in said
 
 
 @pytest.fixture
