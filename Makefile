@@ -1,7 +1,7 @@
 # shoecal without an installation of ROS: everything lives in .venv, build/ and install/.
 
 .DEFAULT_GOAL := help
-.PHONY: firmware stand-ins robots descriptions clean-sessions help setup demo test test-floor lint bench planner-speed planned-motions live-path demo-table paper trust accuracy repeats caught-faults faults blind own-steps motion-menu figures reference docs wheel lock clean
+.PHONY: firmware stand-ins robots descriptions clean-sessions help setup demo test test-floor lint bench planner-speed planned-motions live-path demo-table paper trust accuracy repeats caught-faults faults blind own-steps motion-menu figures gallery reference docs wheel lock clean
 
 # Nothing that is sourced in the calling shell reaches what runs from .venv.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONHOME PYTHONPATH
@@ -94,6 +94,9 @@ faults: setup stand-ins  ## every fault very often, into docs/evidence/reliabili
 
 figures: setup  ## the figures of README, conventions and motions, into docs/figures
 	$(BIN)/python scripts/figures.py
+
+gallery: setup  ## the pictures of the examples, into docs/images
+	$(BIN)/python scripts/gallery.py
 
 reference: setup  ## docs/reference, from the code (ARGS=--check)
 	$(BIN)/python scripts/make_reference.py $(ARGS)
