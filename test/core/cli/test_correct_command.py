@@ -67,7 +67,7 @@ def assert_randomised(out: Path, session: Path, changes: list[dict[str, object]]
         joint = before.frames[before.getFrameId(name)].parentJoint
         change = after.inertias[joint].mass - before.inertias[joint].mass
         assert one.mean == pytest.approx(change, abs=1e-9)
-        assert 0.0 < one.std < 0.2
+        assert 0.0 <= one.std < 0.2  # too light to be fitted: zero
     thigh = before.frames[before.getFrameId("left_thigh")]
     moved = after.inertias[thigh.parentJoint].lever - before.inertias[thigh.parentJoint].lever
     turned = thigh.placement.rotation.T @ moved
