@@ -53,7 +53,7 @@ FOLDS = 4
 """Of a cross-validation."""
 MJCF, RANDOMISATION = "robot.xml", "randomisation.yaml"
 _URDF_LINE = re.compile(r"^urdf:.*$", re.MULTILINE)
-_MASS = re.compile(r"^(weight:(?:(?!^\S).)*?mass_kg:\s*)([-+.0-9eE]+)", re.MULTILINE | re.DOTALL)
+_WEIGHT = r"^(weight:(?:(?!^\S).)*?{key}:\s*)([-+.0-9eE]+)"
 
 
 @dataclass(frozen=True)
@@ -203,18 +203,13 @@ def corrected_files(
     correction = model_correction(found, shod, bare)
     files = {
         URDF: corrected_urdf(_text(session.robot_urdf), bare, correction),
-        ROBOT: _heavier(session.robot_yaml, _naming(session.robot_yaml, URDF), added_mass(found)),
+        ROBOT: _weighing(session.robot_yaml, _naming(session.robot_yaml, URDF), found),
         RANDOMISATION: _randomisation(found, shod, bare, correction).text(),
     }
     left: tuple[str, ...] = ()
     if mjcf is not None:
         files[MJCF], left = corrected_mjcf(mjcf, bare, correction)
     return Corrected(files, tuple(found), left)
-
-
-def added_mass(found: Sequence[Found]) -> float:
-    """What a robot weighs more than its files say [kg]."""
-    return sum(one.value for one in found if one.effect in ("payload", "total_mass"))
 
 
 def model_correction(found: Sequence[Found], robot: Robot, bare: Robot) -> ModelCorrection:
@@ -355,13 +350,19 @@ def _naming(robot_yaml: Path, urdf: str) -> str:
     return text
 
 
-def _heavier(path: Path, text: str, added: float) -> str:
-    """A robot file's text with another weight."""
-    if added == 0.0:
+def _weighing(path: Path, text: str, found: Sequence[Found]) -> str:
+    """A robot file's text with the weight, and its uncertainty, of what it carries."""
+    added = [one for one in found if one.effect in ("payload", "total_mass")]
+    if not added:
         return text
-    text, count = _MASS.subn(lambda match: f"{match[1]}{float(match[2]) + added:.6g}", text, 1)
-    if count != 1:
-        raise FieldError(path, "must be a number below `weight`", field="weight.mass_kg")
+    mass, std = sum(one.value for one in added), float(np.linalg.norm([one.std for one in added]))
+    for key in ("mass_kg", "std_kg"):
+        match = re.search(_WEIGHT.format(key=key), text, re.MULTILINE | re.DOTALL)
+        if match is None:
+            raise FieldError(path, "must be a number below `weight`", field=f"weight.{key}")
+        old = float(match[2])
+        new = old + mass if key == "mass_kg" else float(np.hypot(old, std))
+        text = f"{text[: match.start(2)]}{new:.6g}{text[match.end(2) :]}"
     return text
 
 

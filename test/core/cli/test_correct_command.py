@@ -6,6 +6,7 @@ import json
 import shutil
 from pathlib import Path
 
+import mujoco
 import pytest
 
 from core.cli.conftest import ROOT, WREN, WREN_SHOE, Run
@@ -36,7 +37,14 @@ def test_the_corrected_model_is_nearer_to_the_truth_of_new_runs(
 ) -> None:
     fitted, new = sessions
     out, figures = tmp_path / "corrected", tmp_path / "figures.json"
-    code, told, _ = shoecal("correct", fitted, "--out", out, "--json", figures)
+    spec = mujoco.MjSpec.from_file(str(fitted / "robot.urdf"))
+    spec.compiler.fusestatic = False
+    spec.worldbody.first_body().add_freejoint()
+    mass = spec.compile().body_mass.sum()
+    (tmp_path / "lab.xml").write_text(spec.to_xml())
+    code, told, _ = shoecal(
+        "correct", fitted, "--mjcf", tmp_path / "lab.xml", "--out", out, "--json", figures
+    )
     assert code == 0
     assert "on runs that were not fitted" in told
     found = json.loads(figures.read_text())
@@ -45,6 +53,8 @@ def test_the_corrected_model_is_nearer_to_the_truth_of_new_runs(
     names = {one["effect"] for one in found["changes"]}
     assert names == {"joint_offset", "link_mass", "link_com"}
     assert_randomised(out, fitted, found["changes"])
+    model = mujoco.MjModel.from_xml_path(str(out / "robot.xml"))
+    assert model.body_mass.sum() == pytest.approx(mass, rel=1e-6)
 
     assert shoecal("calibrate", fitted, "--out", tmp_path / "c.yaml")[0] == 0
     calibration = load_calibration(tmp_path / "c.yaml")

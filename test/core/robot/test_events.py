@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import pytest
 
@@ -23,6 +24,9 @@ FOUND = Randomisation(
         Parameter("com_z", "body", -0.003, 0.001),
     ),
 )
+
+
+Snippet = dict[str, Callable[[Path], dict[str, Any]]]
 
 
 class Config:
@@ -95,9 +99,7 @@ STAND_INS: dict[str, dict[str, object]] = {
 
 
 @pytest.fixture
-def snippet(
-    request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
-) -> dict[str, Callable[[Path], dict[str, EventTermCfg]]]:
+def snippet(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Snippet:
     """What a block of the page defines."""
     for name, members in STAND_INS.items():
         module = ModuleType(name)
@@ -109,7 +111,7 @@ def snippet(
     (code,) = re.findall(
         rf"```python title=out/{request.param}_events.py\n(.*?)```", PAGE.read_text(), re.DOTALL
     )
-    defined: dict[str, Callable[[Path], dict[str, EventTermCfg]]] = {}
+    defined: Snippet = {}
     exec(compile(code, str(PAGE), "exec"), defined)
     return defined
 
@@ -122,14 +124,13 @@ def file(tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize("snippet", ["mjlab"], indirect=True)
-def test_mjlab_takes_it(
-    snippet: dict[str, Callable[[Path], dict[str, EventTermCfg]]], file: Path
-) -> None:
+def test_mjlab_takes_it(snippet: Snippet, file: Path) -> None:
     events = snippet["events_from"](file)
     assert set(events) == {"zero_left_knee", "mass_body", "com_body"}
-    low, high = events["zero_left_knee"].params["bias_range"]  # type: ignore[misc]
-    assert (low + high) / 2.0 == pytest.approx(0.03)
-    assert (high - low) / 12.0**0.5 == pytest.approx(0.001)
+    half = 3.0**0.5 * 0.001  # of a uniform distribution with this standard deviation
+    assert events["zero_left_knee"].params["bias_range"] == pytest.approx(
+        (0.03 - half, 0.03 + half)
+    )
     assert events["mass_body"].params["ranges"] == (0.2, 0.05)
     assert events["com_body"].params["ranges"] == {
         0: (0.004, 0.001), 1: (0.0, 0.002), 2: (-0.003, 0.001)
@@ -137,12 +138,10 @@ def test_mjlab_takes_it(
 
 
 @pytest.mark.parametrize("snippet", ["isaaclab"], indirect=True)
-def test_isaac_lab_takes_it(
-    snippet: dict[str, Callable[[Path], dict[str, EventTermCfg]]], file: Path
-) -> None:
+def test_isaac_lab_takes_it(snippet: Snippet, file: Path) -> None:
     events = snippet["events_from"](file)
     assert set(events) == {"mass_body", "com_body"}
     assert events["mass_body"].params["mass_distribution_params"] == (0.2, 0.05)
     ranges = events["com_body"].params["com_range"]
-    assert sum(ranges["z"]) / 2.0 == pytest.approx(-0.003)  # type: ignore[index]
+    assert sum(ranges["z"]) / 2.0 == pytest.approx(-0.003)
     assert snippet["zeros_from"](file) == {"left_knee": (0.03, 0.001)}
