@@ -67,6 +67,10 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     if args.mjcf and args.mjcf.resolve() == (args.out / MJCF).resolve():
         raise FileTakenError(args.mjcf, "would be overwritten; name another folder with --out")
     if args.diagnosis:
+        if args.train or args.test or args.settings:
+            raise ShoecalError(
+                "--train, --test and --settings are of a fit; leave them out with --diagnosis"
+            )
         corrected, found = correct_by_diagnosis(session, args.diagnosis, args.mjcf)
         console.print(_table("By the diagnosis", corrected.found))
         before, after = found.cop_mae_mm

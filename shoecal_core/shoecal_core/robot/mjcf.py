@@ -242,9 +242,13 @@ class _Editor:
         model = self._model
         placed = []
         for name, play in loose.items():
-            joint = self._spec.joint(name)
-            if joint.type != mjtJoint.mjJNT_HINGE:
-                self.left.append(f"play of {name}: only a joint that turns has one here")
+            joint, there = self._spec.joint(name), model.joint(name)
+            number = int(there.bodyid[0])
+            last = int(model.body_jntadr[number] + model.body_jntnum[number]) - 1
+            if joint.type != mjtJoint.mjJNT_HINGE or there.id != last:
+                self.left.append(
+                    f"play of {name}: only the last hinge of a body has a place for it"
+                )
                 continue
             body = joint.parent
             half = 0.5 * play * self._per_radian
@@ -258,10 +262,7 @@ class _Editor:
             added.frictionloss = 0.0
             added.ref = added.springref = 0.0
             added.actfrclimited = mujoco.mjtLimited.mjLIMITED_FALSE
-            dof = int(model.joint(name).dofadr[0])
-            added.armature = PLAY_ARMATURE * float(model.dof_M0[dof])
-            number = int(model.joint(name).bodyid[0])
-            last = int(model.body_jntadr[number] + model.body_jntnum[number]) - 1
+            added.armature = PLAY_ARMATURE * float(model.dof_M0[int(there.dofadr[0])])
             placed.append((int(model.jnt_qposadr[last]) + 1, int(model.jnt_dofadr[last]) + 1))
         # From the last to the first, so that places before stay.
         for position, speed in sorted(placed, reverse=True):

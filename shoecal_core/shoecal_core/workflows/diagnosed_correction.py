@@ -75,6 +75,8 @@ def read_causes(path: Path, robot: str) -> Diagnosed:
     """
     fields = _read(path)
     fields.format(FORMAT)
+    if "sessions" in fields:
+        raise fields.error("sessions", "holds several diagnoses; diagnose the session alone")
     verdicts = {str(name): text for name, text in VERDICT_TEXTS.items()}
     verdict = fields.choice("verdict", verdicts)
     if verdict not in NAMED:

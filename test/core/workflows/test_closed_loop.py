@@ -132,6 +132,7 @@ def test_a_diagnosis_that_names_no_cause_is_refused(
     creep = {**found["causes"][0], "effect": "creep", "location": ["left"]}
     for change, words in (
         ({"verdict": "ambiguous"}, ("verdict", "several explanations", "partly_explained")),
+        ({"sessions": [found]}, ("sessions", "alone")),
         ({"robot": "wren"}, ("robot", "name its session")),
         ({"causes": [creep]}, ("causes", "creep (left)", "joint_offset")),
     ):
@@ -140,6 +141,9 @@ def test_a_diagnosis_that_names_no_cause_is_refused(
         assert cli.main([str(word) for word in words_given]) == 1
         told = capsys.readouterr().err
         assert all(word in told for word in (*words, str(file))), told
+    words_given[3] = session.parent / "diagnosis.json"
+    assert cli.main([*map(str, words_given), "--train", "1,2"]) == 1
+    assert "leave them out" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
 
 
