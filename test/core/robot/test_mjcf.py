@@ -29,7 +29,7 @@ def wren() -> Robot:
 
 @pytest.fixture
 def mjcf(wren: Robot, tmp_path: Path) -> Path:
-    """Wren as a lab has it: servos, a force sensor, a keyframe, a mesh in a folder of its own."""
+    """Wren as a lab has it: a servo, a force sensor, a keyframe, an include, a folder of meshes."""
     spec = mujoco.MjSpec.from_file(str(wren.urdf))
     spec.compiler.fusestatic = False
     base = spec.worldbody.first_body()
@@ -54,9 +54,12 @@ def mjcf(wren: Robot, tmp_path: Path) -> Path:
     keys = " ".join(["0 0 1 1 0 0 0", *["0.1"] * len(wren.joint_names)])
     text = text.replace(
         "</mujoco>",
-        '<asset><mesh name="wedge" file="wedge.obj"/></asset>'
+        '<include file="assets.xml"/>'
         '<worldbody><geom type="mesh" mesh="wedge"/></worldbody>'
         f'<keyframe><key name="stand" qpos="{keys}"/></keyframe></mujoco>',
+    )
+    (folder / "assets.xml").write_text(
+        '<mujocoinclude><asset><mesh name="wedge" file="wedge.obj"/></asset></mujocoinclude>'
     )
     file = folder / "wren.xml"
     file.write_text(text)
@@ -154,6 +157,7 @@ def test_what_gives_plays_and_is_late_has_its_place(
     for _ in range(200):
         mujoco.mj_step(model, data)
     assert np.isfinite(data.qpos).all()
+    assert np.isfinite(data.sensordata).all()
 
 
 def test_masses_of_shapes_and_a_given_total_become_explicit(tmp_path: Path) -> None:
