@@ -160,8 +160,11 @@ def test_what_gives_plays_and_is_late_has_its_place(
     assert np.isfinite(data.sensordata).all()
 
 
-def test_masses_of_shapes_and_a_given_total_become_explicit(tmp_path: Path) -> None:
+def test_masses_of_shapes_and_a_given_total_become_explicit(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """On a robot whose URDF is made of the MJCF; the angle's unit is degrees."""
+    monkeypatch.chdir(tmp_path)  # MuJoCo logs there that settotalmass is deprecated
     file = tmp_path / "odd.xml"
     file.write_text("""<mujoco><compiler angle="degree" settotalmass="4" inertiafromgeom="true"/>
       <worldbody><body name="torso"><freejoint/><geom size="0.1"/>
