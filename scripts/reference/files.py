@@ -28,6 +28,8 @@ _ELSEWHERE = (
      "[recordings](recordings.md)"),
     ("`calibration.yaml`", "gains, offsets, covariance, corrections, verdict",
      "[conventions](../guide/conventions.md#order-of-arrays)"),
+    ("`randomisation.yaml`", "mean and standard deviation of all that was found of a robot",
+     "[train a policy](../how-to/randomise-a-policy.md#the-file)"),
     ("`--json FILE`", "the figures of a command",
      "[evaluation](../guide/evaluation.md#--json), [screening](screening.md)"),
 )  # fmt: skip

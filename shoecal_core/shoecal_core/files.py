@@ -229,10 +229,15 @@ def read_yaml(path: Path) -> Fields:
 
 def write_yaml(path: Path, value: Mapping[str, object]) -> None:
     """Write a mapping as YAML, atomically, keys in the order given."""
+    atomic_write(path, yaml_text(value))
+
+
+def yaml_text(value: Mapping[str, object]) -> str:
+    """A mapping as YAML, keys in the order given."""
     text = yaml.dump(
         dict(value), Dumper=_Dumper, sort_keys=False, default_flow_style=None, width=100
     )
-    atomic_write(path, text)
+    return str(text)
 
 
 class Fields:

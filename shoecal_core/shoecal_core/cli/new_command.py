@@ -10,7 +10,7 @@ from pathlib import Path
 from rich.console import Console
 
 from shoecal_core.drafting.draft import draft_robot, prove, relative
-from shoecal_core.drafting.mjcf import MjcfError, as_urdf
+from shoecal_core.drafting.mjcf import as_urdf
 from shoecal_core.drafting.notes import Note, robot_notes, shoe_notes
 from shoecal_core.drafting.simulated import reality_text
 from shoecal_core.drafting.soles import SoleSize
@@ -18,6 +18,7 @@ from shoecal_core.drafting.text import robot_text, shoe_text
 from shoecal_core.errors import FileError, FileTakenError, ShoecalError
 from shoecal_core.file_kinds import is_mjcf
 from shoecal_core.files import atomic_write, make_folder, read_bytes
+from shoecal_core.robot.mjcf import MjcfError
 
 LARGEST_M = 0.5
 """From an ankle to an edge of its sole; more was given in other units."""

@@ -26,7 +26,7 @@ COMMANDS = {
     "evaluate": "how far a calibration is off model, truth or another calibration",
     "history": "how a robot's gains and offsets changed from calibration to calibration",
     "apply": "recorded readings under a calibration: GRF and CoP of every sample, in tables",
-    "correct": "what a recording finds of joint zeros and masses, into copies of the robot's files",
+    "correct": "what a recording or a diagnosis finds of the robot, into copies of its files",
     "manual": "calibrate with known weights: single cells, then the shoe",
     "check": "what is in a session, and is it fit for use",
     "recover": "rescue what can be read of a damaged run file",

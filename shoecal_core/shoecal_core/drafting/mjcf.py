@@ -19,8 +19,8 @@ from mujoco import mjtEq, mjtGeom, mjtJoint, mjtObj, mjtSensor, mjtTrn
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
-from shoecal_core.errors import FileError
 from shoecal_core.files import atomic_write, make_folder
+from shoecal_core.robot.mjcf import MjcfError, read_mjcf
 from shoecal_core.robot.urdf import written
 
 FloatArray = NDArray[np.float64]
@@ -34,10 +34,6 @@ bends it holds."""
 PLAY_RAD = 0.1
 """A joint without a motor that turns by less is play of gears, not a joint."""
 _MOVING = (int(mjtJoint.mjJNT_HINGE), int(mjtJoint.mjJNT_SLIDE))
-
-
-class MjcfError(FileError):
-    """An MJCF that no robot can be made of."""
 
 
 @dataclass(frozen=True)
@@ -76,12 +72,7 @@ def as_urdf(path: Path, meshes: str) -> Converted:
         MjcfError: for a model that MuJoCo does not compile, or that is no tree of hinges and
             slides.
     """
-    try:
-        model = mujoco.MjSpec.from_file(str(path)).compile()
-    except ValueError as error:
-        reason = " ".join(str(error).split())
-        raise MjcfError(path, f"MuJoCo does not read it: {reason}; correct the model") from error
-    return _Writer(path, model, meshes).written()
+    return _Writer(path, read_mjcf(path)[1], meshes).written()
 
 
 class _Writer:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from xml.etree import ElementTree
 
 import numpy as np
@@ -24,11 +24,19 @@ class ModelCorrection:
         zeros: by joint, how much more its encoder shows than the link has turned [rad].
         masses: by link, what it weighs by what the URDF says.
         coms: by link, (3,) how far its CoM is from where the URDF has it, link's frame [m].
+        compliance: by joint, of what is between its encoder and its link [rad/(N m)].
+        play: by joint, the whole dead band between them [rad].
+        latency: by foot, age of its readings [s].
+
+    A URDF has no place for the last three.
     """
 
     zeros: Mapping[str, float]
     masses: Mapping[str, float]
     coms: Mapping[str, FloatArray]
+    compliance: Mapping[str, float] = field(default_factory=dict)
+    play: Mapping[str, float] = field(default_factory=dict)
+    latency: Mapping[str, float] = field(default_factory=dict)
 
 
 def corrected_urdf(text: str, robot: Robot, correction: ModelCorrection) -> str:

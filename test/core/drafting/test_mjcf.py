@@ -12,7 +12,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from shoecal_core.drafting.body import find_shapes, read_body
-from shoecal_core.drafting.mjcf import EFFORT_M, SPEED, MjcfError, as_urdf
+from shoecal_core.drafting.mjcf import EFFORT_M, SPEED, as_urdf
+from shoecal_core.robot.mjcf import MjcfError
 
 ODD = """
 <mujoco model="odd">
