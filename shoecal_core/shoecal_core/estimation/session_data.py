@@ -35,6 +35,7 @@ from shoecal_core.screening.extract import stances_of, zeros_of
 from shoecal_core.screening.result import Screening
 from shoecal_core.screening.screen import screen
 from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.soles import Soles, open_soles
 from shoecal_core.shoe.shoe import Shoe
 
 FloatArray = NDArray[np.float64]
@@ -186,6 +187,7 @@ def load_data(
             read[number] = run
     loaded = {number: run for number, run in read.items() if not run.info.hanging}
     aligned, screening = recorded, Screening()
+    soles: dict[int, Soles] = {}
     if settings is not None:
         standing = {
             number: recorded[number] for number, run in read.items() if run.info.support is not None
@@ -198,10 +200,14 @@ def load_data(
                     aligned[number] = align(run, shoe, kinematics, late_s=late)
             read, loaded = ({n: runs[n] for n in aligned} for runs in (read, loaded))
         there = {number: aligned[number] for number in loaded}
-        screening = screen(loaded, there, shoe, robot.weight, settings, late)
+        soles = open_soles(loaded, there, shoe, kinematics)
+        screening = screen(loaded, there, shoe, robot.weight, settings, late, soles)
     stances: dict[int, tuple[Stance, ...]] = dict.fromkeys(read, ())
     zeros: list[Zero] = []
     for number, run in read.items():
+        if number in soles:
+            # The screening refuses it; what joint angles say of such a run is wrong.
+            continue
         with noting(problems, number):
             zeros += zeros_of(run, aligned[number], shoe, kinematics)
             stances[number] = tuple(stances_of(run, aligned[number], shoe, kinematics, screening))

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 
@@ -25,7 +26,7 @@ from shoecal_core.recording.bag_match import (
     other_types,
     what_is_there,
 )
-from shoecal_core.recording.bag_support import angles_in_degrees, standing_support
+from shoecal_core.recording.bag_support import Standing, angles_in_degrees, standing
 from shoecal_core.recording.container import MAX_RECORDS
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.foreign import ANGLE_UNIT
@@ -36,6 +37,10 @@ from shoecal_core.shoe.shoe import AXES, FEET, Shoe
 MAX_CLOCK_OFFSET_S = 0.25
 """Between the stamps of two topics of one clock, by when their messages were received."""
 DEGREES = "joint angles are beyond the URDF's limits, but within them as degrees: angle_unit"
+FEET_UNKNOWN = (
+    "has no base pose, and its joint angles are not chosen yet: choose their topic, then give "
+    "'support', or draft again"
+)
 FULL = 0.9
 """Of what a run may hold, so much a drafted trial takes."""
 
@@ -48,11 +53,13 @@ class DraftTrial:
         bag: file or folder.
         span: part of it since its first message [s]; None: all of it.
         support: of feet that stand still; None where they move, or a base pose is there.
+        notes: what to check in it, a line each.
     """
 
     bag: Path
     span: tuple[float, float] | None
     support: DoubleSupport | None
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -112,14 +119,10 @@ def draft_mapping(bags: Sequence[Path], robot: Robot, shoe: Shoe) -> BagDraft:
         for foot in FEET
         if f"wrenches.{foot}" not in found and any(f"{foot}/{axis}" in shoe.names for axis in AXES)
     ]
-    standing = None if "base_pose" in found else found["joints"]
-    trials = [trial for bag in bags for trial in _trials(bag, used, robot, standing)]
-    notes += [
-        f"{trial.bag.name}: has no base pose, and its feet move: record one, or give 'from_s' and "
-        "'to_s' of a part in which they stand still, and its 'support'"
-        for trial in trials
-        if standing is not None and trial.support is None
-    ]
+    stands = None if "base_pose" in found else found["joints"]
+    stand = None if stands is None else partial(_stand, stands, found.get("cells"), robot, shoe)
+    trials = [trial for bag in bags for trial in _trials(bag, used, stand)]
+    notes += [f"{trial.bag.name}: {note}" for trial in trials for note in trial.notes]
     return BagDraft(tuple(trials), found, degrees, received, tuple(notes))
 
 
@@ -134,16 +137,32 @@ def _other_clocks(seen: Mapping[str, TopicContent]) -> tuple[str, ...]:
     return tuple(name for name in seen if not abs(delays.get(name, np.inf)) <= MAX_CLOCK_OFFSET_S)
 
 
+def _stand(
+    joints: Match,
+    cells: Match | None,
+    robot: Robot,
+    shoe: Shoe,
+    bag: Bag,
+    span: tuple[float, float] | None,
+) -> Standing:
+    """How the feet stand in a part of a bag, where its topics are known."""
+    if not joints.chosen:
+        return Standing(None, (FEET_UNKNOWN,))
+    known = cells if cells is not None and cells.chosen else None
+    return standing(bag, joints, known, robot, shoe, span)
+
+
 def _trials(
-    path: Path, topics: Sequence[str], robot: Robot, standing: Match | None
+    path: Path,
+    topics: Sequence[str],
+    stand: Callable[[Bag, tuple[float, float] | None], Standing] | None,
 ) -> list[DraftTrial]:
     """A bag, in parts that a run can hold.
 
     Args:
         path: of the bag.
         topics: that are imported.
-        robot: for the support of its feet.
-        standing: topics of the joint angles that the support is found by; None: not needed.
+        stand: finds how the feet stand in a part; None: not needed.
     """
     with Bag(path) as bag:
         count = sum(bag.topics[topic].count for topic in topics if topic in bag.topics)
@@ -151,16 +170,11 @@ def _trials(
         parts = max(1, int(np.ceil(count / (FULL * MAX_RECORDS))))
         ends = np.round(np.linspace(0.0, length, parts + 1), 3).tolist()
         spans = [None] if parts == 1 else list(pairwise(ends))
-        return [
-            DraftTrial(
-                path,
-                span,
-                None
-                if standing is None or not standing.chosen
-                else standing_support(bag, standing, robot, span),
-            )
-            for span in spans
-        ]
+        trials = []
+        for span in spans:
+            found = Standing(None, ()) if stand is None else stand(bag, span)
+            trials.append(DraftTrial(path, span, found.support, found.notes))
+        return trials
 
 
 def mapping_text(draft: BagDraft, folder: Path, robot: Path, urdf: Path, shoe: Path) -> str:

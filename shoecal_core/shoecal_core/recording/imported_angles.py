@@ -1,39 +1,55 @@
-"""Joint angles of imported recordings, compared with the URDF's limits and the trials' supports."""
+"""Joint angles of imported recordings, compared with limits, supports and soles that are level."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from shoecal_core.errors import FieldError, FileError
 from shoecal_core.files import read_yaml
 from shoecal_core.recording import schemas
-from shoecal_core.recording.columns import decode_columns
+from shoecal_core.recording.columns import Block, decode_columns
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.foreign import Floats, ImportedRun, MappedFiles
+from shoecal_core.recording.info import HANGING
+from shoecal_core.recording.joint_series import (
+    JointSeries,
+    Series,
+    from_pieces,
+    postures,
+    with_numbers,
+    without_zeros,
+)
 from shoecal_core.recording.limits import beyond_limits, in_degrees
 from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.joint_zeros import OpenLoop, open_loop
 from shoecal_core.robot.kinematics import Kinematics
+from shoecal_core.robot.level import standing_samples
 from shoecal_core.robot.robot import JointsMissingError
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.robot.urdf import read_outline
-from shoecal_core.shoe.shoe import load_shoe
+from shoecal_core.shoe.shoe import FEET, Shoe, load_shoe
+from shoecal_core.shoe.vertical import both_carry_load
 
 APART = {"dx": (0.05, "m"), "dy": (0.05, "m"), "dtheta": (0.2, "rad")}
 """Supports by a tape measure and by joint angles differ by less; of opposite signs, by half."""
-SAMPLES = 50
+SAMPLES = 200
 """Instants of a run at which its support is looked at."""
+MOVES_M = 0.01
+"""Feet whose distance changes by more than this do not stand, where the trial does not say so."""
 
 
 def check_angles(
     mapping: Path, files: MappedFiles, runs: Sequence[ImportedRun]
 ) -> list[ImportedRun]:
-    """The runs, with notes on joint angles beyond the URDF's limits and on other supports.
+    """The runs, with notes on what is wrong with their joint angles: no numbers, jumps to zero,
+    beyond the URDF's limits, soles that are not level, other supports.
 
     Args:
         mapping: the mapping file, whose trials the runs are, in its order.
@@ -46,20 +62,31 @@ def check_angles(
     """
     limits = read_outline(files.urdf).limits
     optional = optional_joints(files.robot)
-    kinematics = _kinematics(files) if any(one.run.support for one in runs) else None
+    standing = [_stands(one) for one in runs]
+    shoe, kinematics = _shoe_and_kinematics(files) if any(standing) else (None, None)
     checked = []
-    for place, one in enumerate(runs):
-        angles = _angles(one)
-        for joint, (times, _) in angles.items():
-            if not len(times) and joint not in optional:
+    for place, (one, stands) in enumerate(zip(runs, standing, strict=True)):
+        angles, lacking = with_numbers(_angles(one), optional)
+        for joint, series in angles.items():
+            if not len(series.time) and joint not in optional:
                 raise no_angles(one.source, joint, files.robot)
+        angles, jumping = without_zeros(angles)
         notes = _beyond_limits(one.source, angles, limits)
-        if kinematics is not None and one.run.support is not None and not notes:
-            found = _support(one.source, kinematics, angles)
-            field = f"trials[{place}].support"
-            notes += _compare(mapping, field, one.source, one.run.support, found)
-        checked.append(replace(one, notes=(*one.notes, *notes)))
+        if shoe is not None and kinematics is not None and stands:
+            feet = _Feet.of(one, kinematics, shoe, angles)
+            if feet is not None and feet.loop is not None:
+                notes.append(feet.loop.text(loaded=feet.loaded))
+            elif feet is not None and one.run.support is not None and not notes:
+                field = f"trials[{place}].support"
+                notes += _compare(mapping, field, one.source, one.run.support, feet.support)
+        checked.append(replace(one, notes=(*one.notes, *lacking, *jumping, *notes)))
     return checked
+
+
+def _stands(one: ImportedRun) -> bool:
+    """Whether both feet stand, as far as the trial says: it has a support, or nothing else."""
+    poses = any(message.topic == schemas.BASE_POSE for message in one.messages)
+    return one.run.support is not None or not (poses or one.run.motion == HANGING)
 
 
 def optional_joints(robot: Path) -> list[str]:
@@ -78,38 +105,37 @@ def no_angles(source: Path, joint: str, robot: Path, where: str = "") -> Recordi
     )
 
 
-def _kinematics(files: MappedFiles) -> Kinematics | None:
+def _shoe_and_kinematics(files: MappedFiles) -> tuple[Shoe | None, Kinematics | None]:
     """Of the robot in its shoes; None where its file is not ready, which its use will report."""
     with suppress(FileError):
-        return Kinematics(load_robot(files.robot, load_shoe(files.shoe), urdf=files.urdf))
-    return None
+        shoe = load_shoe(files.shoe)
+        return shoe, Kinematics(load_robot(files.robot, shoe, urdf=files.urdf))
+    return None, None
 
 
-def _angles(run: ImportedRun) -> dict[str, tuple[Floats, Floats]]:
-    """Times (k,) since 1970 [s] and angles (k,) [rad] by joint, of where it has some."""
-    data = [one.data for one in run.messages if one.topic == schemas.JOINT_STATES]
-    pieces: dict[str, list[Floats]] = {}
-    for block in decode_columns(schemas.RUN_TOPICS[schemas.JOINT_STATES], data):
-        times = block.stamp_ns / 1e9
+def _blocks(run: ImportedRun, topic: str) -> list[Block]:
+    data = [one.data for one in run.messages if one.topic == topic]
+    return decode_columns(schemas.RUN_TOPICS[topic], data)
+
+
+def _angles(run: ImportedRun) -> dict[str, JointSeries]:
+    """Of the joints, by stamps since 1970 [s]."""
+    pieces: dict[str, list[tuple[Floats, Floats]]] = {}
+    for block in _blocks(run, schemas.JOINT_STATES):
         for name, position in zip(block.texts["name"], block.numbers["position"].T, strict=True):
-            there = np.isfinite(position)
-            pieces.setdefault(name, []).append(np.stack([times[there], position[there]]))
-    angles = {}
-    for name, found in pieces.items():
-        times, positions = np.hstack(found)
-        order = np.argsort(times, kind="stable")
-        angles[name] = times[order], positions[order]
-    return angles
+            pieces.setdefault(name, []).append((block.stamp_ns / 1e9, position))
+    return from_pieces(pieces)
 
 
 def _beyond_limits(
     source: Path,
-    angles: Mapping[str, tuple[Floats, Floats]],
+    angles: Series,
     limits: Mapping[str, tuple[float, float]],
 ) -> list[str]:
     """A line on the joints beyond their limits, the first of them with its angle; or none."""
     found: dict[str, str] = {}
-    for joint, (_, position) in angles.items():
+    for joint, series in angles.items():
+        position = series.angle
         if joint not in limits or not len(position):
             continue
         excess = beyond_limits(joint, position, *limits[joint])
@@ -128,21 +154,69 @@ def _beyond_limits(
     return [f"{found[first]}{more}: check unit, sign and zero"]
 
 
-def _support(
-    source: Path, kinematics: Kinematics, angles: Mapping[str, tuple[Floats, Floats]]
-) -> DoubleSupport:
-    """Where the right sole is by forward kinematics."""
-    robot = kinematics.robot
-    known = {name: one for name, one in angles.items() if len(one[0]) and name in robot.joint_names}
-    first = max((times[0] for times, _ in known.values()), default=0.0)
-    last = min((times[-1] for times, _ in known.values()), default=0.0)
-    instants = np.linspace(first, last, SAMPLES)
-    positions = [np.interp(instants, *one) for one in known.values()]
-    try:
-        measured = robot.from_measured(list(known), np.reshape(positions, (-1, SAMPLES)).T)
-    except JointsMissingError as error:
-        raise RecordingError(source, str(error)) from error
-    return kinematics.states(measured).support()
+@dataclass(frozen=True)
+class _Feet:
+    """What joint angles say of feet that stand.
+
+    Attributes:
+        support: where the right sole is, at instants at which both feet stand.
+        loop: what is wrong with soles that are not level.
+        loaded: both feet are known to carry load at these instants.
+    """
+
+    support: DoubleSupport
+    loop: OpenLoop | None
+    loaded: bool
+
+    @classmethod
+    def of(
+        cls, run: ImportedRun, kinematics: Kinematics, shoe: Shoe, angles: Series
+    ) -> _Feet | None:
+        """By forward kinematics; None where nobody says that the feet stand and joints are missing.
+
+        Raises:
+            RecordingError: the trial has a support, and joints are missing.
+        """
+        try:
+            instants, postured = postures(angles, kinematics.robot, SAMPLES)
+        except JointsMissingError as error:
+            if run.run.support is None:
+                return None
+            raise RecordingError(run.source, str(error)) from error
+        both = _both_carry_load(run, shoe, instants)
+        loaded = both is not None and bool(both.any())
+        standing = postured[both] if both is not None and loaded else postured
+        loop = open_loop(kinematics, standing)
+        states = kinematics.states(standing)
+        if not loaded:
+            states = states.part(standing_samples(states))
+        moves = bool(np.ptp(states.translation[:, :2], axis=0).max() > MOVES_M)
+        if loop is not None and not loop.fits and run.run.support is None and moves:
+            loop = None
+        return cls(states.support(), loop, loaded)
+
+
+def _both_carry_load(run: ImportedRun, shoe: Shoe, instants: Floats) -> NDArray[np.bool_] | None:
+    """(T,) both feet carry load at instants since 1970 [s]; None: that is not known."""
+    pieces: dict[str, list[tuple[Floats, Floats]]] = {}
+    for block in _blocks(run, schemas.VOLTAGES):
+        for name, values in zip(block.texts["cell"], block.numbers["voltage"].T, strict=False):
+            pieces.setdefault(name, []).append((block.stamp_ns / 1e9, values))
+    for foot, topic in zip(FEET, schemas.FORCE_TORQUE, strict=True):
+        for block in _blocks(run, topic):
+            force = block.numbers["wrench.force.z"][:, 0]
+            pieces.setdefault(f"{foot}/fz", []).append((block.stamp_ns / 1e9, force))
+    series, _ = with_numbers(from_pieces(pieces), ())
+    vertical = [name for name, own in zip(shoe.names, shoe.vertical, strict=True) if own]
+    if any(name not in series or len(series[name].time) < 2 for name in vertical):
+        return None
+    time = series[vertical[0]].time
+    readings = np.zeros((len(time), len(shoe.names)))
+    for name in vertical:
+        column = shoe.names.index(name)
+        readings[:, column] = np.interp(time, series[name].time, series[name].angle)
+    both = both_carry_load(shoe, readings)
+    return None if both is None else np.interp(instants, time, both.astype(np.float64)) > 0.5
 
 
 def _compare(

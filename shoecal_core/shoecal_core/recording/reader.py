@@ -16,6 +16,12 @@ from shoecal_core.recording import schemas
 from shoecal_core.recording.columns import Block
 from shoecal_core.recording.container import read_container
 from shoecal_core.recording.join import Piece, two_orders, two_orders_text
+from shoecal_core.recording.joint_series import (
+    JointSeries,
+    jumps_to_zero,
+    lacking_notes,
+    zero_notes,
+)
 from shoecal_core.recording.readings import make_readings, read_readings
 from shoecal_core.recording.run import (
     CommandedTrajectory,
@@ -66,7 +72,7 @@ def read_run(path: Path, shoe: Shoe) -> Run:
         base_pose=_base_pose(source, start),
         imu=_imu(source, start),
         shoe_temperature=_shoe_temperature(source, start),
-        notes=(*source.contents.info.notes, *source.notes),
+        notes=tuple(dict.fromkeys((*source.contents.info.notes, *source.notes))),
     )
 
 
@@ -106,11 +112,24 @@ def _joints(source: RecordedSource) -> tuple[NDArray[np.int64], tuple[str, ...],
     stamps, joined = source.join(topic, pieces, names, ("position", "effort"))
     never = np.isnan(joined["position"]).all(axis=0)
     source.notes += [f"joint '{name}' was never recorded" for name in np.array(names)[never]]
-    source.notes += [
-        f"joint '{names[place]}' has no angle in {lacking[place]} of {naming[place]} messages"
-        for place in np.flatnonzero((lacking > 0) & ~never)
-    ]
+    source.notes += lacking_notes(
+        {names[at]: (int(lacking[at]), int(naming[at])) for at in np.flatnonzero(~never)}
+    )
+    source.notes += _leave_out_zeros(stamps, names, joined["position"])
     return stamps, names, joined
+
+
+def _leave_out_zeros(
+    stamps: NDArray[np.int64], names: tuple[str, ...], position: Floats
+) -> list[str]:
+    """Make jumps to zero of angles (T, m) NaN, and note them."""
+    series, zeros = {}, {}
+    for column, name in enumerate(names):
+        known = np.flatnonzero(np.isfinite(position[:, column]))
+        series[name] = JointSeries(stamps[known] / 1e9, position[known, column])
+        zeros[name] = jumps_to_zero(series[name])
+        position[known[zeros[name]], column] = np.nan
+    return zero_notes(series, zeros)
 
 
 def _commanded(source: RecordedSource, start: int) -> tuple[CommandedTrajectory, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import casadi as ca
 import numpy as np
@@ -33,6 +33,10 @@ class BodyStates:
     translation: FloatArray
     left_rotation: FloatArray
     left_translation: FloatArray
+
+    def part(self, part: NDArray[np.bool_]) -> BodyStates:
+        """The samples marked in `part` (T,)."""
+        return BodyStates(**{one.name: getattr(self, one.name)[part] for one in fields(self)})
 
     @property
     def cop(self) -> FloatArray:

@@ -194,6 +194,13 @@ class Robot:
         """(k,) indices of the joints that the planner moves, those on shared motors included."""
         return np.array([*self.legs, *(shared.joint for shared in self.shared)], dtype=np.int64)
 
+    @cached_property
+    def between_feet(self) -> tuple[int, ...]:
+        """Indices of the joints on the way from one sole to the other."""
+        left, right = (set(self.model.supports[foot.joint]) for foot in self.feet)
+        # Joint 0 of the model is the world, 1 the free base; both are above either foot.
+        return tuple(sorted(int(joint) - 2 for joint in left ^ right if joint > 1))
+
     @property
     def lower(self) -> NDArray[np.float64]:
         """(m,) lower joint limits [rad]."""

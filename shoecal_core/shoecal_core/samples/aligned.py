@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,11 +47,12 @@ class Aligned:
 
     def part(self, part: NDArray[np.bool_]) -> Aligned:
         """The samples marked in `part` (T,)."""
-        states = BodyStates(
-            **{field.name: getattr(self.states, field.name)[part] for field in fields(BodyStates)}
-        )
         return Aligned(
-            self.time[part], self.readings[part], self.joint_angles[part], states, self.late_s
+            self.time[part],
+            self.readings[part],
+            self.joint_angles[part],
+            self.states.part(part),
+            self.late_s,
         )
 
 

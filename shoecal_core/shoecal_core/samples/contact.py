@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.errors import ShoecalError
-from shoecal_core.shoe.shoe import FEET, Shoe
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.vertical import LOWEST_SHARE, polarity_known, vertical_forces
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -33,8 +33,6 @@ LEAST_ALONE = 0.8
 data sheets and weights are not further off."""
 LEAST_LOADED = 0.25
 """The same of the most that a foot carries, where the other is never in the air."""
-LOWEST_SHARE = 0.08
-"""A foot in the air reads its least, to within this share of the range, and keeps to it."""
 NOISE_RANGE = 3.5
 """Between the 5th and 95th percentile of noise, over the median of its steps."""
 
@@ -51,27 +49,6 @@ class Contact:
 
     air: BoolArray
     load: FloatArray
-
-
-def vertical_forces(shoe: Shoe, readings: FloatArray) -> tuple[FloatArray, BoolArray]:
-    """(T, 2) vertical force of each foot by data sheets, its zero left in; in N where (2,) is True.
-
-    Raises:
-        ShoecalError: a vertical channel's polarity is not known.
-    """
-    forces, known = [], []
-    for foot in (0, 1):
-        vertical = [i for i in shoe.of_foot(foot) if shoe.vertical[i]]
-        if any(shoe.polarity[i] == 0 for i in vertical):
-            raise ShoecalError(
-                f"shoe '{shoe.name}': give the polarity of the {FEET[foot]} foot's vertical "
-                "channels; the stances of a walk are found by which foot carries load"
-            )
-        gains = [shoe.channels[i].nominal_gain for i in vertical]
-        known.append(bool(vertical) and None not in gains)
-        size = np.abs([1.0 if gain is None else gain for gain in gains])
-        forces.append(readings[:, vertical] @ (shoe.polarity[vertical] * size))
-    return np.stack(forces, axis=1), np.array(known)
 
 
 def find_contact(shoe: Shoe, readings: FloatArray, clearance: FloatArray, weight: float) -> Contact:
@@ -105,37 +82,18 @@ def find_contact(shoe: Shoe, readings: FloatArray, clearance: FloatArray, weight
     return Contact(air, load)
 
 
-def at_least_load(shoe: Shoe, readings: FloatArray) -> BoolArray:
-    """(T, 2) each foot's vertical force is about the least of all T samples.
-
-    That is no proof that it is in the air, but one that carries more is not. All is True where the
-    polarity of vertical channels is not known.
-    """
-    if not _polarity_known(shoe):
-        return np.ones((len(readings), 2), dtype=bool)
-    force, _ = vertical_forces(shoe, readings)
-    least, most = np.percentile(force, [1.0, 99.0], axis=0)
-    low: BoolArray = force - least <= LOWEST_SHARE * (most - least)
-    return low
-
-
 def moves(shoe: Shoe, readings: FloatArray, part: IntArray, foot: int) -> bool:
     """Whether a foot's vertical force changes in some of the readings (T, n): it is not in the air.
 
     False where the polarity of vertical channels is not known.
     """
-    if not _polarity_known(shoe):
+    if not polarity_known(shoe):
         return False
     force = vertical_forces(shoe, readings)[0][:, foot]
     least, most = np.percentile(force, [1.0, 99.0])
     low, high = np.percentile(force[part], [5.0, 95.0])
     noise = float(np.median(np.abs(np.diff(force[part])))) if len(part) > 1 else 0.0
     return bool(high - low - NOISE_RANGE * noise > LOWEST_SHARE * (most - least))
-
-
-def _polarity_known(shoe: Shoe) -> bool:
-    """Of every vertical channel."""
-    return not any(shoe.polarity[i] == 0 for i in np.flatnonzero(shoe.columns[:, 0]))
 
 
 def _surely(clearance: FloatArray, high: BoolArray) -> BoolArray:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.robot.kinematics import BodyStates
+from shoecal_core.robot.level import standing_pose
 from shoecal_core.robot.robot import Robot
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.contact import moves
@@ -29,7 +30,7 @@ IntArray = NDArray[np.int64]
 UNLOADING: Mapping[str, int] = {"unload_left": 0, "unload_right": 1}
 """Motions that lift a foot, by name: index of the foot."""
 LIFT_M, LIFT_RAD = 0.003, 0.03
-"""A foot that is this much higher or more tilted than it mostly is does not stand."""
+"""A foot that is this much higher or more tilted than while both stand does not stand."""
 TRANSIT_S = 0.8
 """Around lifting and landing, samples are left out for this long."""
 GIVE_M = 0.01
@@ -73,16 +74,14 @@ class LiftedFoot:
 
 
 def height_change(states: BodyStates) -> FloatArray:
-    """(T,) by how much one foot is higher or lower against the other than it mostly is [m]."""
-    height = states.translation[:, 2]
-    change: FloatArray = np.abs(height - np.median(height))
+    """(T,) by how much one foot is higher or lower against the other than while both stand [m]."""
+    change: FloatArray = np.abs(states.translation[:, 2] - standing_pose(states)[0])
     return change
 
 
 def lifted(states: BodyStates) -> BoolArray:
     """(T,) one foot is in the air or on an edge."""
-    pose = states.right_sole[:, 2:5]
-    off = np.abs(pose - np.median(pose, axis=0))
+    off = np.abs(states.right_sole[:, 2:5] - standing_pose(states))
     high: BoolArray = np.any(off > (LIFT_M, LIFT_RAD, LIFT_RAD), axis=1)
     return high
 

@@ -14,7 +14,6 @@ from shoecal_core.recording.run import Run
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot import GRAVITY, Robot
 from shoecal_core.samples.aligned import Aligned
-from shoecal_core.samples.contact import at_least_load
 from shoecal_core.samples.filters import evenly
 from shoecal_core.samples.known_weight import carried, with_mass
 from shoecal_core.samples.lifting import (
@@ -31,6 +30,7 @@ from shoecal_core.samples.side_channels import efforts, temperature, upwards
 from shoecal_core.samples.stretches import unchanged
 from shoecal_core.samples.walking_samples import Walk, find_walk, pieces
 from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.vertical import at_least_load
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.robot.level import standing_samples
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.screening.noise import noise, resolution
 from shoecal_core.shoe.shoe import Shoe
@@ -67,8 +68,8 @@ def reading_blocks(time: FloatArray, readings: FloatArray) -> ReadingBlocks:
 
 
 def blocks(aligned: Aligned, shoe: Shoe) -> Blocks:
-    """Blocks of a run whose feet stand where the joint angles mostly say."""
-    support = aligned.states.support()
+    """Blocks of a run whose feet stand where the joint angles say while both stand."""
+    support = aligned.states.part(standing_samples(aligned.states)).support()
     shown = reading_blocks(aligned.time, aligned.readings)
     return Blocks(
         time=shown.time,

@@ -9,6 +9,7 @@ class Fault(Enum):
     """A kind of fault; its value is its name in result files."""
 
     UNREADABLE = "unreadable"
+    JOINT_ZERO = "joint_zero"
     DEAD = "dead"
     STUCK = "stuck"
     SATURATED = "saturated"

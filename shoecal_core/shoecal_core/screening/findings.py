@@ -12,6 +12,7 @@ from shoecal_core.screening.closure import Slipped
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.result import LeftOut
 from shoecal_core.screening.saturated import Saturated
+from shoecal_core.screening.soles import Soles
 from shoecal_core.screening.unresponsive import Stuck
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.screening.weights import WrongWeight
@@ -47,6 +48,14 @@ _CURES: Mapping[Fault, tuple[str, str]] = {
         "see that it is not lifted and that the motion keeps load on both feet",
     ),
 }
+
+
+def of_soles(found: Mapping[int, Soles]) -> list[Finding]:
+    """Runs whose soles are not level by the joint angles."""
+    return [
+        Finding("FAIL", f"run {run}: {soles.text}", Fault.JOINT_ZERO)
+        for run, soles in found.items()
+    ]
 
 
 def of_dead(shoe: Shoe, channels: Sequence[int]) -> list[Finding]:

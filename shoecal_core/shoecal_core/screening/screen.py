@@ -22,6 +22,7 @@ from shoecal_core.screening.findings import of_time_offset
 from shoecal_core.screening.result import LeftOut, Screening
 from shoecal_core.screening.saturated import at_ends_or_marked, ended
 from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.soles import Soles
 from shoecal_core.screening.standing import screen_standing
 from shoecal_core.screening.unresponsive import dead, halted, stuck
 from shoecal_core.screening.verdict import Finding
@@ -35,6 +36,7 @@ def screen(
     weight: float,
     settings: CalibrationSettings,
     time_offset: float = 0.0,
+    soles: Mapping[int, Soles] | None = None,
 ) -> Screening:
     """Look for every fault.
 
@@ -45,6 +47,7 @@ def screen(
         aligned: the same with the model's values.
         weight: of robot and shoes [N].
         time_offset: by which the joints were late before they were aligned [s].
+        soles: that are not level, by run.
     """
     runs, aligned = dict(sorted(runs.items())), dict(sorted(aligned.items()))
     found = Screening(
@@ -56,6 +59,7 @@ def screen(
     if not runs:
         return found
     found = found.adding(words.of_left_out(found.left_out) + _cells(runs, aligned, shoe))
+    found = found.adding(words.of_soles(soles or {}))
     double = {
         number: one for number, one in aligned.items() if runs[number].info.support is not None
     }

@@ -155,7 +155,8 @@ def test_readings_that_no_cell_gives_are_none(record: Record, shoe: Shoe) -> Non
 def test_joints_that_lack_angles_now_and_then_are_noted(record: Record, shoe: Shoe) -> None:
     told = [joints(step, value=np.nan if step == 1 else 0.0) for step in range(4)]
     run = record([*told, volts(0, shoe.names)])
-    assert f"joint '{JOINTS[0]}' has no angle in 1 of 4 messages" in run.notes
+    listed = ", ".join(f"'{joint}'" for joint in JOINTS)
+    assert f"joints {listed} have no angle (NaN) in 1 of 4 messages" in run.notes
 
 
 def test_joints_of_two_publishers_are_joined(record: Record, shoe: Shoe) -> None:

@@ -1,0 +1,181 @@
+"""A joint whose zero is far off, found by the soles of feet that stand on one floor.
+
+While both feet stand, the soles are level with each other and do not move against each other. A
+constant error of one joint between them tilts and lifts one sole, and makes it wander when the
+robot moves. The joint whose correction closes that loop is the one that is off; two joints may do
+so equally well, as both knees do where both legs bend alike.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
+
+from shoecal_core.robot.kinematics import BodyStates, Kinematics
+from shoecal_core.robot.robot import Robot
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+CLOSED_M, CLOSED_RAD = 0.01, float(np.radians(2.0))
+"""Soles of a robot whose zeros are right are level to within this: play and sag of its joints."""
+OPEN_M, OPEN_RAD = 0.02, 0.1
+"""A gap or tilt that play, sag and small errors of zeros do not make; a calibration copes with
+less."""
+LEVEL_SHARE = 0.15
+"""Of samples at which the soles are level, from which zeros are not blamed: the rest are steps."""
+CLOSES_SHARE = 0.5
+"""Of samples that a correction has to close."""
+ALL_SHARE = 0.9
+"""The same where the soles are level as recorded, and only wander: feet that step do so, too."""
+AS_GOOD = 1.5
+"""Joints whose correction leaves so many times the least misfit explain the soles as well."""
+MOST_NAMED = 3
+SAMPLES = 80
+"""Samples that are looked at, evenly over all."""
+REACH_RAD, STEP_RAD, LEAST_RAD = 1.4, 0.1, 0.1
+"""Errors that are looked for, the steps of the search, and the least one that is named."""
+
+
+@dataclass(frozen=True)
+class OpenLoop:
+    """Soles that are not level with each other, by the joint angles.
+
+    Attributes:
+        height: of one sole above the other, median [m].
+        tilt: between them, median [rad].
+        wander: how far one sole moves against the other [m].
+        fits: joints and what is to be added to their angles [rad], the best first, each of which
+            closes the loop alone; none where no single one does.
+    """
+
+    height: float
+    tilt: float
+    wander: float
+    fits: tuple[tuple[str, float], ...]
+
+    def text(self, *, loaded: bool) -> str:
+        """What is seen, and the joint that explains it.
+
+        Args:
+            loaded: both feet are known to carry load; else that is left to the reader.
+        """
+        while_ = " while both carry load" if loaded else ""
+        so = "" if loaded else "if both feet stand, "
+        seen = (
+            f"the soles are {1e3 * self.height:.0f} mm apart in height and tilted by "
+            f"{np.degrees(self.tilt):.0f} degrees against each other{while_}: {so}"
+            if self.height > OPEN_M or self.tilt > OPEN_RAD
+            else f"the soles move by {1e3 * self.wander:.0f} mm against each other{while_}: {so}"
+        )
+        if not self.fits:
+            return (
+                f"by the joint angles {seen}a joint's zero or sign, or a sole's frame in the robot "
+                "file, is off, and no single joint's zero explains it: check them"
+            )
+        names = " or ".join(name for name, _ in self.fits)
+        best = " or ".join(f"{name} by {size:+.2f} rad" for name, size in self.fits)
+        return (
+            f"with {names} as recorded {seen}a joint's zero is off (best fit: {best}); correct "
+            "the zero and record again"
+        )
+
+
+def open_loop(kinematics: Kinematics, angles: FloatArray) -> OpenLoop | None:
+    """The soles' gap and tilt, and the joints whose constant error explains them.
+
+    Args:
+        kinematics: of the robot.
+        angles: (T, m) finite, of instants at which both feet mostly stand [rad].
+
+    Returns:
+        None where the soles are level at some share of the instants, or there are none; unless they
+        wander, and the error of one joint explains all of that.
+    """
+    if not len(angles):
+        return None
+    chosen = np.unique(np.linspace(0, len(angles) - 1, SAMPLES).astype(np.int64))
+    angles = angles[chosen]
+    states = kinematics.states(angles)
+    height, tilt = _off_level(states)
+    level = np.mean((height <= OPEN_M) & (tilt <= OPEN_RAD)) >= LEVEL_SHARE
+    low, high = np.percentile(states.translation[:, :2], [5.0, 95.0], axis=0)
+    wander = float((high - low).max())
+    if level and wander <= OPEN_M:
+        return None
+    found = []
+    for group in _motors(kinematics.robot):
+        error = _Error(kinematics, angles, group)
+        size = error.best()
+        if abs(size) >= LEAST_RAD and error.closes(size, ALL_SHARE if level else CLOSES_SHARE):
+            name = kinematics.robot.joint_names[group[0][0]]
+            found.append((error.misfit(size), name, size))
+    found.sort()
+    fits = tuple((name, size) for misfit, name, size in found if misfit <= AS_GOOD * found[0][0])
+    if level and not fits:
+        return None
+    return OpenLoop(float(np.median(height)), float(np.median(tilt)), wander, fits[:MOST_NAMED])
+
+
+@dataclass(frozen=True)
+class _Error:
+    """One motor's constant error: joints by index, and how far each turns with it."""
+
+    kinematics: Kinematics
+    angles: FloatArray
+    group: Sequence[tuple[int, float]]
+
+    def states(self, size: float) -> BodyStates:
+        angles = self.angles.copy()
+        for joint, ratio in self.group:
+            angles[:, joint] += ratio * size
+        return self.kinematics.states(angles)
+
+    def misfit(self, size: float) -> float:
+        """Mean over all samples of how far the soles are from level and from standing still, in
+        tolerances; those in which a foot is lifted count little.
+        """
+        off = _residuals(self.states(size))
+        return float(np.mean(np.log1p(np.sum(off**2, axis=1))))
+
+    def best(self) -> float:
+        """The correction with the least misfit [rad]."""
+        sizes = np.arange(-REACH_RAD, REACH_RAD + 0.5 * STEP_RAD, STEP_RAD)
+        start = float(sizes[np.argmin([self.misfit(float(size)) for size in sizes])])
+        bounds = (start - STEP_RAD, start + STEP_RAD)
+        return float(minimize_scalar(self.misfit, bounds=bounds, method="bounded").x)
+
+    def closes(self, size: float, share: float) -> bool:
+        """Whether the soles are then level and still, at this share of the samples."""
+        off = np.abs(_residuals(self.states(size)))
+        return bool(np.mean((off <= 1.0).all(axis=1)) >= share)
+
+
+def _off_level(states: BodyStates) -> tuple[FloatArray, FloatArray]:
+    """(T,) height of one sole above the other [m], (T,) tilt between them [rad]."""
+    tilt = np.arccos(np.clip(states.rotation[:, 2, 2], -1.0, 1.0))
+    return np.abs(states.translation[:, 2]), tilt
+
+
+def _residuals(states: BodyStates) -> FloatArray:
+    """(T, 5): height, tilt, and how far x, y and yaw are off their medians; in tolerances."""
+    height, tilt = _off_level(states)
+    place = states.translation[:, :2]
+    turned = np.unwrap(states.yaw)
+    columns = (height, *(place - np.median(place, axis=0)).T, tilt, turned - np.median(turned))
+    sizes = (CLOSED_M, CLOSED_M, CLOSED_M, CLOSED_RAD, CLOSED_RAD)
+    return np.stack(columns, axis=1) / sizes
+
+
+def _motors(robot: Robot) -> list[list[tuple[int, float]]]:
+    """Each motor's joints on the way from one sole to the other, by index, with their ratios."""
+    follows = {one.joint: one.leader for one in robot.shared}
+    leaders = sorted({follows.get(joint, joint) for joint in robot.between_feet})
+    return [
+        [(leader, 1.0), *((one.joint, one.ratio) for one in robot.shared if one.leader == leader)]
+        for leader in leaders
+    ]

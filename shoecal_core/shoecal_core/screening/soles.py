@@ -1,0 +1,56 @@
+"""Soles that are not level while both feet carry load: a joint's zero is far off.
+
+Found before all else that joint angles show, since a foot then looks lifted all the time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from shoecal_core.recording.run import Run
+from shoecal_core.robot.joint_zeros import OpenLoop, open_loop
+from shoecal_core.robot.kinematics import Kinematics
+from shoecal_core.samples.aligned import Aligned
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.vertical import both_carry_load
+
+
+@dataclass(frozen=True)
+class Soles:
+    """What is wrong with them.
+
+    Attributes:
+        loop: what the joint angles say.
+        loaded: both feet are known to carry load meanwhile.
+    """
+
+    loop: OpenLoop
+    loaded: bool
+
+    @property
+    def text(self) -> str:
+        """In words."""
+        return self.loop.text(loaded=self.loaded)
+
+
+def open_soles(
+    runs: Mapping[int, Run], aligned: Mapping[int, Aligned], shoe: Shoe, kinematics: Kinematics
+) -> dict[int, Soles]:
+    """Runs whose soles are not level, by number; those with a base pose, or that hang, are not
+    looked at.
+
+    Where no single joint explains it, both feet have to be known to carry load: else one may be in
+    the air.
+    """
+    found = {}
+    for number, one in aligned.items():
+        run = runs[number]
+        if run.info.hanging or (run.info.support is None and run.base_pose is not None):
+            continue
+        both = both_carry_load(shoe, one.readings)
+        loaded = both is not None and bool(both.any())
+        loop = open_loop(kinematics, one.joint_angles[both] if loaded else one.joint_angles)
+        if loop is not None and (loop.fits or (loaded and run.info.support is not None)):
+            found[number] = Soles(loop, loaded)
+    return found
