@@ -20,6 +20,8 @@ STEP_S = 0.2
 """Samples farther apart in time may move by that much."""
 FAST_RAD_S = 5.0
 """The same at the start and the end, where only one neighbour shows it, if it is faster too."""
+SEVERAL = 2
+"""Joints that jump to zero at once, from which the whole message is at fault."""
 RETURN_SHARE = 0.5
 """Of its angle, by which a joint may have moved while it read zero."""
 MOST_NAMED = 6
@@ -97,7 +99,7 @@ def without_zeros(series: Series) -> tuple[dict[str, JointSeries], list[str]]:
     Args:
         series: by joint, numbers only.
     """
-    zeros = {name: jumps_to_zero(one) for name, one in series.items()}
+    zeros = jumps_to_zero(series)
     return {name: one.only(~zeros[name]) for name, one in series.items()}, zero_notes(series, zeros)
 
 
@@ -106,7 +108,7 @@ def zero_notes(series: Series, zeros: Mapping[str, Bools]) -> list[str]:
 
     Args:
         series: by joint, numbers only.
-        zeros: (k,) of each, as `jumps_to_zero` finds them.
+        zeros: as `jumps_to_zero` finds them.
     """
     groups: dict[tuple[int, int, float], list[str]] = defaultdict(list)
     for name, mask in zeros.items():
@@ -116,13 +118,33 @@ def zero_notes(series: Series, zeros: Mapping[str, Bools]) -> list[str]:
             groups[int(mask.sum()), len(mask), first].append(name)
     return [
         f"{named(names)} {'jumps' if len(names) == 1 else 'jump'} to zero in {count} of {total} "
-        f"messages, first {first:.1f} s after the first message, which are left out: check its "
-        "encoder or bus"
+        f"messages, first {first:.1f} s after the first message, which are left out: check "
+        "encoders and bus"
         for (count, total, first), names in groups.items()
     ]
 
 
-def jumps_to_zero(series: JointSeries) -> Bools:
+def jumps_to_zero(series: Series) -> dict[str, Bools]:
+    """(k,) of each joint: angles that are exactly zero for a moment while it is elsewhere.
+
+    A joint that is near zero anyhow is taken to fail with the others of its message.
+
+    Args:
+        series: by joint, numbers only.
+    """
+    found = {name: _jumps_to_zero(one) for name, one in series.items()}
+    failed = [one.time[found[name]] for name, one in series.items() if found[name].any()]
+    if len(failed) < SEVERAL:
+        return found
+    times, count = np.unique(np.concatenate(failed), return_counts=True)
+    together = times[count >= SEVERAL]
+    for name, one in series.items():
+        if (one.angle != 0.0).any():
+            found[name] |= (one.angle == 0.0) & np.isin(one.time, together)
+    return found
+
+
+def _jumps_to_zero(series: JointSeries) -> Bools:
     """(k,) samples that are exactly zero while the joint, just before and after, is elsewhere.
 
     Args:

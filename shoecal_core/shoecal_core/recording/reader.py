@@ -123,12 +123,14 @@ def _leave_out_zeros(
     stamps: NDArray[np.int64], names: tuple[str, ...], position: Floats
 ) -> list[str]:
     """Make jumps to zero of angles (T, m) NaN, and note them."""
-    series, zeros = {}, {}
+    known = np.isfinite(position)
+    series = {
+        name: JointSeries(stamps[there] / 1e9, angles[there])
+        for name, there, angles in zip(names, known.T, position.T, strict=True)
+    }
+    zeros = jumps_to_zero(series)
     for column, name in enumerate(names):
-        known = np.flatnonzero(np.isfinite(position[:, column]))
-        series[name] = JointSeries(stamps[known] / 1e9, position[known, column])
-        zeros[name] = jumps_to_zero(series[name])
-        position[known[zeros[name]], column] = np.nan
+        position[np.flatnonzero(known[:, column])[zeros[name]], column] = np.nan
     return zero_notes(series, zeros)
 
 

@@ -30,10 +30,13 @@ LEVEL_SHARE = 0.15
 """Of samples at which the soles are level, from which zeros are not blamed: the rest are steps."""
 CLOSES_SHARE = 0.5
 """Of samples that a correction has to close."""
-ALL_SHARE = 0.9
+ALL_SHARE = 0.8
 """The same where the soles are level as recorded, and only wander: feet that step do so, too."""
-AS_GOOD = 1.5
-"""Joints whose correction leaves so many times the least misfit explain the soles as well."""
+BETTER = 0.5
+"""Of the misfit as recorded, what a correction may leave."""
+AS_GOOD, ALIKE = 1.5, 0.05
+"""Joints whose correction leaves so many times the least misfit, and this, explain the soles as
+well."""
 MOST_NAMED = 3
 SAMPLES = 80
 """Samples that are looked at, evenly over all."""
@@ -111,14 +114,21 @@ def open_loop(kinematics: Kinematics, angles: FloatArray) -> OpenLoop | None:
     for group in _motors(kinematics.robot):
         error = _Error(kinematics, angles, group)
         size = error.best()
-        if abs(size) >= LEAST_RAD and error.closes(size, ALL_SHARE if level else CLOSES_SHARE):
-            name = kinematics.robot.joint_names[group[0][0]]
-            found.append((error.misfit(size), name, size))
+        misfit = error.misfit(size)
+        if abs(size) < LEAST_RAD or misfit > BETTER * error.misfit(0.0):
+            continue
+        if error.closes(size, ALL_SHARE if level else CLOSES_SHARE):
+            found.append((misfit, kinematics.robot.joint_names[group[0][0]], size))
     found.sort()
-    fits = tuple((name, size) for misfit, name, size in found if misfit <= AS_GOOD * found[0][0])
+    fits: dict[str, float] = {}
+    for misfit, name, size in found:
+        if misfit <= AS_GOOD * found[0][0] + ALIKE:
+            # A joint may be found alone and with its whole motor: the better one counts.
+            fits.setdefault(name, size)
     if level and not fits:
         return None
-    return OpenLoop(float(np.median(height)), float(np.median(tilt)), wander, fits[:MOST_NAMED])
+    best = tuple(fits.items())[:MOST_NAMED]
+    return OpenLoop(float(np.median(height)), float(np.median(tilt)), wander, best)
 
 
 @dataclass(frozen=True)
@@ -172,10 +182,14 @@ def _residuals(states: BodyStates) -> FloatArray:
 
 
 def _motors(robot: Robot) -> list[list[tuple[int, float]]]:
-    """Each motor's joints on the way from one sole to the other, by index, with their ratios."""
+    """What one error may turn on the way from one sole to the other: each motor's joints, by index,
+    with their ratios; and joints on one motor also alone, as both may be measured.
+    """
     follows = {one.joint: one.leader for one in robot.shared}
     leaders = sorted({follows.get(joint, joint) for joint in robot.between_feet})
-    return [
+    together = [
         [(leader, 1.0), *((one.joint, one.ratio) for one in robot.shared if one.leader == leader)]
         for leader in leaders
     ]
+    shared = {joint for group in together if len(group) > 1 for joint, _ in group}
+    return together + [[(joint, 1.0)] for joint in robot.between_feet if joint in shared]

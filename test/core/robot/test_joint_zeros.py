@@ -1,0 +1,109 @@
+"""A joint whose zero is off is found by soles that stand on one floor."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from shoecal_core.robot.joint_zeros import OpenLoop, open_loop
+from shoecal_core.robot.kinematics import Kinematics
+from shoecal_core.robot.robot import Robot
+from shoecal_core.robot.robot_file import load_robot
+from shoecal_core.workspace import config_dir
+
+FloatArray = NDArray[np.float64]
+NAMES = ("LHipRoll", "LHipPitch", "LKneePitch", "LAnklePitch", "LAnkleRoll")
+
+
+@pytest.fixture(scope="module")
+def nao() -> Kinematics:
+    return Kinematics(load_robot(config_dir() / "robots/nao.yaml"))
+
+
+def sway(robot: Robot) -> FloatArray:
+    """(T, m) both legs bend alike, then lean to the side: soles stay level and where they are."""
+    time = np.linspace(0.0, 6.0, 90)
+    bend, lean = 0.15 * np.sin(time), 0.08 * np.sin(2.0 * time)
+    angles = np.tile(robot.posture, (len(time), 1))
+    for side in "LR":
+        for joint, change in (
+            ("HipPitch", -bend), ("KneePitch", 2.0 * bend), ("AnklePitch", -bend),
+            ("HipRoll", lean), ("AnkleRoll", -lean),
+        ):  # fmt: skip
+            angles[:, robot.joint(f"{side}{joint}")] += change
+    return angles
+
+
+def with_error(robot: Robot, angles: FloatArray, joint: str, size: float) -> FloatArray:
+    wrong = angles.copy()
+    wrong[:, robot.joint(joint)] += size
+    return wrong
+
+
+def found(kinematics: Kinematics, angles: FloatArray) -> OpenLoop:
+    loop = open_loop(kinematics, angles)
+    assert loop is not None
+    return loop
+
+
+def test_nothing_is_said_of_good_zeros(nao: Kinematics) -> None:
+    angles = sway(nao.robot)
+    assert open_loop(nao, angles) is None
+    small = with_error(nao.robot, angles, "LKneePitch", 0.04)
+    assert open_loop(nao, small) is None
+    assert open_loop(nao, angles[:0]) is None
+
+
+@pytest.mark.parametrize("joint", NAMES)
+@pytest.mark.parametrize("size", [-0.2, 0.35, 1.0])
+def test_the_joint_and_its_error(nao: Kinematics, joint: str, size: float) -> None:
+    loop = found(nao, with_error(nao.robot, sway(nao.robot), joint, size))
+    assert dict(loop.fits)[joint] == pytest.approx(-size, abs=0.02)
+    tilt = np.degrees(abs(size))
+    assert np.degrees(loop.tilt) == pytest.approx(tilt, abs=2.0)
+    assert f"(best fit: {loop.fits[0][0]} by {loop.fits[0][1]:+.2f} rad" in loop.text(loaded=True)
+    assert f"tilted by {np.degrees(loop.tilt):.0f} degrees against each other while both" in (
+        loop.text(loaded=True)
+    )
+    assert "if both feet stand, a joint's zero is off" in loop.text(loaded=False)
+
+
+def test_legs_that_bend_alike_leave_two_joints_to_choose_from(nao: Kinematics) -> None:
+    """A left knee that reads too much and a right one that reads too little look the same."""
+    still = np.tile(nao.robot.posture, (5, 1))
+    loop = found(nao, with_error(nao.robot, still, "LKneePitch", 0.6))
+    fits = dict(loop.fits)
+    assert fits["LKneePitch"] == pytest.approx(-0.6, abs=0.03)
+    assert fits["RKneePitch"] == pytest.approx(0.6, abs=0.03)
+    assert " or RKneePitch as recorded" in loop.text(loaded=True) or "RKneePitch or LKneePitch" in (
+        loop.text(loaded=True)
+    )
+
+
+def test_a_joint_on_a_shared_motor_that_is_measured_itself(nao: Kinematics) -> None:
+    loop = found(nao, with_error(nao.robot, sway(nao.robot), "RHipYawPitch", 0.7))
+    assert dict(loop.fits)["RHipYawPitch"] == pytest.approx(-0.7, abs=0.02)
+
+
+def test_two_joints_are_not_blamed_on_one(nao: Kinematics) -> None:
+    wrong = with_error(nao.robot, sway(nao.robot), "LKneePitch", 0.4)
+    loop = found(nao, with_error(nao.robot, wrong, "RHipRoll", 0.3))
+    assert loop.fits == ()
+    assert "no single joint's zero explains it" in loop.text(loaded=True)
+
+
+def test_a_foot_that_steps_is_no_error_of_a_zero(nao: Kinematics) -> None:
+    """The right foot is lifted and put down elsewhere, again and again."""
+    angles = sway(nao.robot)
+    time = np.linspace(0.0, 6.0, len(angles))
+    step = np.clip(np.sin(4.0 * time), 0.0, None)
+    for joint, share in (("RHipPitch", -0.5), ("RKneePitch", 1.0), ("RAnklePitch", -0.4)):
+        angles[:, nao.robot.joint(joint)] += share * step
+    assert open_loop(nao, angles) is None
+
+
+def test_samples_with_a_foot_in_the_air_do_not_hide_the_joint(nao: Kinematics) -> None:
+    angles = with_error(nao.robot, sway(nao.robot), "LHipRoll", 0.3)
+    angles[60:, nao.robot.joint("RKneePitch")] += 0.5
+    assert dict(found(nao, angles).fits)["LHipRoll"] == pytest.approx(-0.3, abs=0.02)
