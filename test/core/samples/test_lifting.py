@@ -255,3 +255,16 @@ def test_screening_knows_what_each_foot_carries(whole: Recording) -> None:
     up = (whole.aligned[RUN].time > UP + 1.0) & (whole.aligned[RUN].time < DOWN - 1.0)
     share = screening.load[RUN][up].mean(axis=0)
     np.testing.assert_allclose(share, (carried, 1.0 - carried), atol=0.05)
+
+
+def test_a_foot_in_the_air_most_of_the_time_still_stands_for_the_rest(whole: Recording) -> None:
+    """Its height is held against that of standing, not against that of the air."""
+    one = whole.aligned[RUN]
+    time, translation = one.time, one.states.translation.copy()
+    translation[:, 2] += np.interp(time, [3.0, 3.4, 26.6, 27.0], [0.0, 0.06, 0.06, 0.0])
+    translation[:, 2] += 0.01 * np.sin(time) * (translation[:, 2] > 0.05)
+    up = replace(one, states=replace(one.states, translation=translation))
+    _, screening = made(whole, "landmarks", up)
+    (lost,) = [one for one in screening.left_out if (one.run, one.fault) == (RUN, Fault.LIFTED)]
+    assert lost.share == pytest.approx(0.8, abs=0.03)
+    assert lost.stretches[0][0] == pytest.approx(3.0, abs=0.4)
