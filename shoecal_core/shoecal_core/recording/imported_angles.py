@@ -172,7 +172,7 @@ class _Feet:
     def of(
         cls, run: ImportedRun, kinematics: Kinematics, shoe: Shoe, angles: Series
     ) -> _Feet | None:
-        """By forward kinematics; None where nobody says that the feet stand and joints are missing.
+        """By forward kinematics; None where joints are missing and the trial has no support.
 
         Raises:
             RecordingError: the trial has a support, and joints are missing.
