@@ -209,7 +209,7 @@ def load_data(
             # The screening refuses it; what joint angles say of such a run is wrong.
             continue
         with noting(problems, number):
-            zeros += zeros_of(run, aligned[number], shoe, kinematics)
+            zeros += zeros_of(run, aligned[number], shoe, kinematics, screening)
             stances[number] = tuple(stances_of(run, aligned[number], shoe, kinematics, screening))
     return SessionData(
         session=session,

@@ -61,16 +61,28 @@ def stances_of(
     return walking_stances(run.info.run, aligned, world, shoe, kinematics.robot)
 
 
-def zeros_of(run: Run, aligned: Aligned, shoe: Shoe, kinematics: Kinematics) -> list[Zero]:
-    """Zeros of the feet that the run lifts; none where feet in the air cannot be found."""
+def zeros_of(
+    run: Run,
+    aligned: Aligned,
+    shoe: Shoe,
+    kinematics: Kinematics,
+    screening: Screening | None = None,
+) -> list[Zero]:
+    """Zeros of the feet that the run lifts; none where feet in the air cannot be found.
+
+    Args:
+        screening: knows when the whole robot was lifted.
+    """
     if run.info.hanging:
         air = np.ones((len(aligned.time), 2), dtype=bool)
     elif run.info.support is not None:
         lifting = detect_lifted_foot(run.info.motion, aligned)
-        if lifting is None:
-            return []
         air = np.zeros((len(aligned.time), 2), dtype=bool)
-        air[:, lifting.foot] = lifting.air
+        if lifting is not None:
+            air[:, lifting.foot] = lifting.air
+        hanging = None if screening is None else screening.hanging.get(run.info.run)
+        if hanging is not None:
+            air[hanging] = True
     else:
         world = _world(run, aligned, kinematics)
         weight = kinematics.robot.weight

@@ -21,6 +21,7 @@ class Fault(Enum):
     DISTURBED = "disturbed"
     LIFTED = "lifted"
     LIFTING = "lifting"
+    HANGING = "hanging"
     SLIPPED = "slipped"
     TOO_LITTLE = "too_little"
     LATE = "late"

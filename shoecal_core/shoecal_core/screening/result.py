@@ -60,6 +60,8 @@ class Screening:
         standing: (T,) of them: those at which both feet stand where they stood at first.
         air: (T,) of them, in runs that lift a foot: those at which it hangs free, as heights and
             load agree.
+        hanging: (T,) of them, in runs in double support in which the whole robot is lifted for a
+            while: those at which both feet hang still.
         load: (T, 2) of them, in double support: each foot's share of the weight, by gains and
             offsets that are roughly known by then.
         time_offset: joints were late by this much against the readings, and are so no more [s].
@@ -71,6 +73,7 @@ class Screening:
     kept: Mapping[int, BoolArray] = field(default_factory=dict)
     standing: Mapping[int, BoolArray] = field(default_factory=dict)
     air: Mapping[int, BoolArray] = field(default_factory=dict)
+    hanging: Mapping[int, BoolArray] = field(default_factory=dict)
     load: Mapping[int, FloatArray] = field(default_factory=dict)
     time_offset: float = 0.0
 

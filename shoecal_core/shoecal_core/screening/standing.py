@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
 from shoecal_core.samples.aligned import Aligned
-from shoecal_core.samples.lifting import LiftedFoot, lifted
-from shoecal_core.samples.stretches import JOIN_S, lasting, stretches, widened
+from shoecal_core.samples.contact import moves
+from shoecal_core.samples.lifting import TRANSIT_S, LiftedFoot, lifted
+from shoecal_core.samples.stretches import JOIN_S, lasting, stretches, unchanged, widened
 from shoecal_core.screening import findings as words
 from shoecal_core.screening.blocks import Blocks, blocks
 from shoecal_core.screening.closure import FootMotion, Slipped, feet, slips
@@ -51,6 +52,10 @@ LEAST_SHARE = 0.4
 FREE_SHARE = 0.2
 """A foot that was lifted on purpose and carries more of the weight still touches something; the
 rough fit knows a foot's share no better."""
+HANGS_SHARE = 0.15
+"""The same of either foot while the whole robot is lifted: both carry less."""
+LEAST_HANGING_S = 1.0
+"""A robot that is lifted for a shorter time does not hang still."""
 CALM_S = 0.2
 """Loads are medians of so long a time: no noise lifts a foot or puts it down."""
 LEAST_JUMP_STDS = 1.0
@@ -128,6 +133,7 @@ class _Moments:
         marked: (T,) by fault, the gravest first.
         spikes: (T, n).
         air: (T,) the foot that was lifted on purpose hangs free.
+        hanging: (T,) both feet hang free and still.
         calm: samples while both feet stand, their readings without jumps; before, between and
             after the times that a foot was in the air on purpose.
     """
@@ -135,6 +141,7 @@ class _Moments:
     marked: Mapping[Fault, BoolArray]
     spikes: BoolArray
     air: BoolArray
+    hanging: BoolArray
     calm: tuple[FootMotion, ...]
 
 
@@ -150,6 +157,8 @@ class _Watch:
 
     def moments(self, aligned: Aligned, part: Blocks, lifting: LiftedFoot | None) -> _Moments:
         time, settings = aligned.time, self.settings
+        hanging = self._both_hang(aligned)
+        aloft = widened(hanging, time, TRANSIT_S)
         trembling = noise(aligned.readings)
         least = LEAST_JUMP_STDS * settings.force_std_n
         jumps = find_jumps(self.shoe, aligned.readings, trembling, self.parameters.gain, least)
@@ -159,7 +168,7 @@ class _Watch:
         place[nowhere] = 0.0
         pushed = disturbed(time, wrench[:, 0] - self.weight, place, settings) | nowhere
         up = widened(lifted(aligned.states), time, MARGIN_S)
-        grounded = ~lasting(up, time, LIFT_S)
+        grounded = ~lasting(up, time, LIFT_S) & ~aloft
         meant = air = np.zeros_like(up)
         calm = [feet(aligned, jumps.calm, grounded)]
         if lifting is not None and self._hangs(lifting, jumps.calm):
@@ -171,13 +180,14 @@ class _Watch:
             ]
         marked = {
             Fault.SATURATED: self._at_end(aligned.readings, trembling),
+            Fault.HANGING: aloft,
             Fault.LIFTED: up & ~meant,
             Fault.LIFTING: meant & ~air,
             Fault.TOO_FAST: widened(too_fast(aligned, settings), time, MARGIN_S),
             Fault.DISTURBED: widened(pushed, time, MARGIN_S)
             | widened(jumps.hits, time, HIT_MARGIN_S),
         }
-        return _Moments(marked, jumps.spikes, air, tuple(calm))
+        return _Moments(marked, jumps.spikes, air, hanging, tuple(calm))
 
     def load(self, aligned: Aligned) -> FloatArray:
         """(T, 2) each foot's share of the weight."""
@@ -189,6 +199,15 @@ class _Watch:
     def _carried(self, readings: FloatArray) -> FloatArray:
         """(T, 2) vertical force on each foot, for readings (T, n) [N]."""
         return foot_wrenches(self.shoe, self.parameters.outputs(readings))[..., 0]
+
+    def _both_hang(self, aligned: Aligned) -> BoolArray:
+        """(T,) neither foot carries any of the weight, and neither's load changes, for a while."""
+        low = np.all(np.abs(self.load(aligned)) < HANGS_SHARE, axis=1)
+        low = lasting(~widened(~low, aligned.time, MARGIN_S), aligned.time, LEAST_HANGING_S)
+        for part in unchanged(low.astype(np.int64)):
+            still = not any(moves(self.shoe, aligned.readings, part, foot) for foot in (0, 1))
+            low[part] &= still
+        return low
 
     def _hangs(self, lifting: LiftedFoot, readings: FloatArray) -> bool:
         """Whether the foot that was lifted carries nothing meanwhile."""
@@ -233,17 +252,19 @@ def _leaving_out(
     for name, marked in zip(shoe.names, moments.spikes.T, strict=True):
         leave(Fault.SPIKE, marked, name)
     leave(Fault.SLIPPED, ~before)
-    if kept.sum() < LEAST_SHARE * found.samples[run]:
+    if kept.sum() < LEAST_SHARE * (found.samples[run] - moments.marked[Fault.HANGING].sum()):
         lost.append(_lost(found, run, Fault.TOO_LITTLE, kept, time))
         kept = np.zeros_like(kept)
     notable = [one for one in lost if not (fast and one.fault is Fault.DISTURBED)]
-    standing = before & ~moments.marked[Fault.LIFTED] & ~moments.marked[Fault.LIFTING]
+    off = (Fault.LIFTED, Fault.LIFTING, Fault.HANGING)
+    standing = before & ~np.any([moments.marked[fault] for fault in off], axis=0)
     return replace(
         found.adding(words.of_left_out(notable)),
         left_out=(*found.left_out, *lost),
         kept={**found.kept, run: kept},
         standing={**found.standing, run: standing},
         air={**found.air, run: moments.air},
+        hanging={**found.hanging, run: moments.hanging} if moments.hanging.any() else found.hanging,
     )
 
 

@@ -258,7 +258,9 @@ def _fit_once(
     guess, guess_with_weight = (
         initial_guess(data.shoe, training, weight_row=row) for row in (False, True)
     )
-    hanging = [zero for zero in data.zeros if zero.run in data.hanging]
+    # Runs in which the robot was lifted for a while show zeros as those do in which it hangs.
+    lifted = data.hanging.union(data.screening.hanging.keys() & set(train))
+    hanging = [zero for zero in data.zeros if zero.run in lifted]
     solve = partial(
         joint_calibration, data.samples, train, guess, fitting, tolerances, hanging=hanging
     )
