@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
 from shoecal_core.samples.aligned import Aligned
-from shoecal_core.samples.contact import moves
 from shoecal_core.samples.lifting import TRANSIT_S, LiftedFoot, lifted
-from shoecal_core.samples.stretches import JOIN_S, lasting, stretches, unchanged, widened
+from shoecal_core.samples.stretches import JOIN_S, lasting, stretches, widened
 from shoecal_core.screening import findings as words
 from shoecal_core.screening.blocks import Blocks, blocks
 from shoecal_core.screening.closure import FootMotion, Slipped, feet, slips
 from shoecal_core.screening.disturbed import disturbed
 from shoecal_core.screening.faults import Fault
+from shoecal_core.screening.hanging import both_hang, without
 from shoecal_core.screening.noise import noise
 from shoecal_core.screening.quasi_static import too_fast
 from shoecal_core.screening.result import LeftOut, Screening
@@ -52,10 +52,6 @@ LEAST_SHARE = 0.4
 FREE_SHARE = 0.2
 """A foot that was lifted on purpose and carries more of the weight still touches something; the
 rough fit knows a foot's share no better."""
-HANGS_SHARE = 0.15
-"""The same of either foot while the whole robot is lifted: both carry less."""
-LEAST_HANGING_S = 1.0
-"""A robot that is lifted for a shorter time does not hang still."""
 CALM_S = 0.2
 """Loads are medians of so long a time: no noise lifts a foot or puts it down."""
 LEAST_JUMP_STDS = 1.0
@@ -79,7 +75,9 @@ def screen_standing(
         fast: those of a fast motion, which disturbs them without any fault.
         weight: of robot and shoes [N].
     """
-    parts = {run: blocks(one, shoe) for run, one in aligned.items()}
+    hanging = both_hang(aligned, shoe, weight, settings)
+    aloft = {run: widened(one, aligned[run].time, TRANSIT_S) for run, one in hanging.items()}
+    parts = {run: blocks(without(one, hanging.get(run)), shoe) for run, one in aligned.items()}
     information = prior(shoe, parts, weight, settings)
     several = len(aligned) > 1
     if several:
@@ -99,7 +97,11 @@ def screen_standing(
     parameters = solve(reweighed(fitting, information), information).parameters
     watch = _Watch(shoe, parameters, weight, settings, ended)
     found = replace(found, load={run: watch.load(one) for run, one in aligned.items()})
-    moments = {run: watch.moments(aligned[run], parts[run], lifting[run]) for run in fitting}
+    moments = {
+        run: watch.moments(aligned[run], parts[run], lifting[run], aloft.get(run))
+        for run in fitting
+    }
+    found = replace(found, hanging={run: one for run, one in hanging.items() if run in fitting})
     slipped = _slipped(moments)
     found = found.adding(words.of_slips(slipped))
     for run, one in aligned.items():
@@ -133,7 +135,6 @@ class _Moments:
         marked: (T,) by fault, the gravest first.
         spikes: (T, n).
         air: (T,) the foot that was lifted on purpose hangs free.
-        hanging: (T,) both feet hang free and still.
         calm: samples while both feet stand, their readings without jumps; before, between and
             after the times that a foot was in the air on purpose.
     """
@@ -141,7 +142,6 @@ class _Moments:
     marked: Mapping[Fault, BoolArray]
     spikes: BoolArray
     air: BoolArray
-    hanging: BoolArray
     calm: tuple[FootMotion, ...]
 
 
@@ -155,10 +155,17 @@ class _Watch:
     settings: CalibrationSettings
     ended: Sequence[Saturated]
 
-    def moments(self, aligned: Aligned, part: Blocks, lifting: LiftedFoot | None) -> _Moments:
+    def moments(
+        self,
+        aligned: Aligned,
+        part: Blocks,
+        lifting: LiftedFoot | None,
+        aloft: BoolArray | None,
+    ) -> _Moments:
+        """What happened in a run; `aloft` (T,): the whole robot is lifted, or on its way."""
         time, settings = aligned.time, self.settings
-        hanging = self._both_hang(aligned)
-        aloft = widened(hanging, time, TRANSIT_S)
+        if aloft is None:
+            aloft = np.zeros(len(time), dtype=bool)
         trembling = noise(aligned.readings)
         least = LEAST_JUMP_STDS * settings.force_std_n
         jumps = find_jumps(self.shoe, aligned.readings, trembling, self.parameters.gain, least)
@@ -187,7 +194,7 @@ class _Watch:
             Fault.DISTURBED: widened(pushed, time, MARGIN_S)
             | widened(jumps.hits, time, HIT_MARGIN_S),
         }
-        return _Moments(marked, jumps.spikes, air, hanging, tuple(calm))
+        return _Moments(marked, jumps.spikes, air, tuple(calm))
 
     def load(self, aligned: Aligned) -> FloatArray:
         """(T, 2) each foot's share of the weight."""
@@ -199,15 +206,6 @@ class _Watch:
     def _carried(self, readings: FloatArray) -> FloatArray:
         """(T, 2) vertical force on each foot, for readings (T, n) [N]."""
         return foot_wrenches(self.shoe, self.parameters.outputs(readings))[..., 0]
-
-    def _both_hang(self, aligned: Aligned) -> BoolArray:
-        """(T,) neither foot carries any of the weight, and neither's load changes, for a while."""
-        low = np.all(np.abs(self.load(aligned)) < HANGS_SHARE, axis=1)
-        low = lasting(~widened(~low, aligned.time, MARGIN_S), aligned.time, LEAST_HANGING_S)
-        for part in unchanged(low.astype(np.int64)):
-            still = not any(moves(self.shoe, aligned.readings, part, foot) for foot in (0, 1))
-            low[part] &= still
-        return low
 
     def _hangs(self, lifting: LiftedFoot, readings: FloatArray) -> bool:
         """Whether the foot that was lifted carries nothing meanwhile."""
@@ -264,7 +262,6 @@ def _leaving_out(
         kept={**found.kept, run: kept},
         standing={**found.standing, run: standing},
         air={**found.air, run: moments.air},
-        hanging={**found.hanging, run: moments.hanging} if moments.hanging.any() else found.hanging,
     )
 
 
