@@ -72,7 +72,7 @@ def _both_low(shoe: Shoe, aligned: Aligned) -> BoolArray:
     nowhere = np.zeros(len(aligned.time), dtype=bool)
     if both_carry_load(shoe, aligned.readings) is None:
         return nowhere
-    low = at_least_load(shoe, aligned.readings).all(axis=1)
+    low: BoolArray = np.all(at_least_load(shoe, aligned.readings), axis=1)
     low = ~widened(~low, aligned.time, SETTLE_S)
     low = lasting(low, aligned.time, LEAST_S)
     for part in unchanged(low.astype(np.int64)):
