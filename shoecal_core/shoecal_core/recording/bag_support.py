@@ -31,6 +31,11 @@ SAMPLES = 200
 """Instants of a bag that are looked at, evenly over its messages."""
 STILL_M = 0.01
 """Feet whose distance changes by less stand still."""
+OUTER, OUTER_LOADED = 0.0, 15.0
+"""Percentiles between which that is: of all instants, and of those at which both feet carry load,
+of which some are of a foot that is about to leave or to land."""
+LEAST_BOTH = 0.05
+"""Of a bag, in which both feet carry load, from which their places are taken there alone."""
 FEET_MOVE = (
     "has no base pose, and its feet move: record one, or give 'from_s' and 'to_s' of a part in "
     "which they stand still, and its 'support'"
@@ -59,7 +64,7 @@ def standing(
     shoe: Shoe,
     span: tuple[float, float] | None,
 ) -> Standing:
-    """Where the feet stand, by forward kinematics.
+    """Where the feet stand, by forward kinematics, while both carry load where that is known.
 
     Args:
         bag: open.
@@ -81,14 +86,17 @@ def standing(
         return Standing(None, (*notes, str(error)))
     kinematics = Kinematics(robot)
     both = None if cells is None else _both_carry_load(bag, cells, shoe, span, instants)
-    loop = open_loop(kinematics, angles if both is None else angles[both])
-    places = kinematics.states(angles).translation[:, :2]
-    moves = bool(np.ptp(places, axis=0).max() > STILL_M)
+    angles = angles if both is None else angles[both]
+    loop = open_loop(kinematics, angles)
+    states = kinematics.states(angles)
+    outer = OUTER if both is None else OUTER_LOADED
+    low, high = np.percentile(states.translation[:, :2], (outer, 100.0 - outer), axis=0)
+    moves = bool((high - low).max() > STILL_M)
     if loop is not None and (loop.fits or not moves or both is not None):
         return Standing(None, (*notes, loop.text(loaded=both is not None)))
     if moves:
         return Standing(None, (*notes, FEET_MOVE))
-    return Standing(kinematics.states(angles).support(), tuple(notes))
+    return Standing(states.support(), tuple(notes))
 
 
 def angles_in_degrees(bag: Bag, joints: Match, robot: Robot) -> bool:
@@ -166,4 +174,4 @@ def _both_carry_load(
     if both is None:
         return None
     there = np.interp(instants, time, both.astype(np.float64)) > 0.5
-    return there if there.any() else None
+    return there if there.mean() >= LEAST_BOTH else None

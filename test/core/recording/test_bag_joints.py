@@ -201,7 +201,11 @@ def test_a_support_is_compared_where_both_feet_carry_load(nao: Nao) -> None:
     """A foot is in the air for 80 % of the time: what is left agrees with the tape measure."""
     support = nao.support()
     nao.lift_right(0.8)
-    nao.draft()
+    draft = nao.draft()
+    found = draft.trials[0].support
+    assert draft.notes == ()
+    assert found is not None
+    np.testing.assert_allclose((found.dx, found.dy, found.dtheta), support, atol=1e-3)
     session = nao.imported(motion="standing", support=support)
     assert notes(session) == ()
     wrong = nao.imported(motion="standing", support=[support[0] + 0.1, *support[1:]])
