@@ -1,7 +1,7 @@
 # shoecal without an installation of ROS: everything lives in .venv, build/ and install/.
 
 .DEFAULT_GOAL := help
-.PHONY: firmware stand-ins robots descriptions clean-sessions help setup demo test test-floor lint bench planner-speed planned-motions live-path demo-table paper trust accuracy repeats caught-faults faults blind own-steps motion-menu figures gallery reference docs wheel lock clean
+.PHONY: firmware stand-ins robots published descriptions clean-sessions help setup demo test test-floor lint bench planner-speed planned-motions live-path demo-table paper trust accuracy repeats caught-faults faults blind own-steps motion-menu figures gallery reference docs wheel lock clean
 
 # Nothing that is sourced in the calling shell reaches what runs from .venv.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONHOME PYTHONPATH
@@ -115,6 +115,10 @@ firmware:  ## firmware of a shoe, and more (ARGS="flash PORT=/dev/ttyUSB0", ARGS
 robots: export OPENBLAS_NUM_THREADS := 1
 robots: setup descriptions  ## public humanoids drafted, planned and calibrated, into docs/evidence/robots.md (ARGS="--only g1")
 	$(BIN)/python benchmarks/public_robots.py $(ARGS)
+
+published: export OPENBLAS_NUM_THREADS := 1
+published: setup  ## humanoids as published, taken through all commands, into docs/evidence/robots.md (ARGS="FOLDER" of clones)
+	$(BIN)/python benchmarks/published_robots.py $(ARGS)
 
 descriptions: setup .venv/.descriptions  ## descriptions of public humanoids, for tests and figures
 

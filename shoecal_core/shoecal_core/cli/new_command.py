@@ -55,6 +55,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="a measured sole, where the URDF has no shape of the feet: its edges from the ankle, "
         "and the ankle's height above the floor (m)",
     )
+    parser.add_argument(
+        "--mesh-dir", type=Path, metavar="DIR",
+        help="folder of the URDF's meshes (default: where the URDF says, else near it)",
+    )  # fmt: skip
     parser.add_argument("--force", action="store_true", help="replace files that are there")
 
 
@@ -76,7 +80,11 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         read = args.urdf if converted is None else converted.write(Path(folder, urdf.name))
         try:
             draft = draft_robot(
-                read, args.robot_name or out.stem, six_axis=args.six_axis, sole=_sole(args.sole)
+                read,
+                args.robot_name or out.stem,
+                six_axis=args.six_axis,
+                sole=_sole(args.sole),
+                meshes=args.mesh_dir,
             )
             texts = {out: robot_text(draft, relative(urdf, out.parent)), shoe: shoe_text(draft)}
             robot, worn = prove(draft, texts[out], texts[shoe])

@@ -15,6 +15,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from shoecal_core.drafting.mesh_files import find_mesh
 from shoecal_core.files import read_bytes
 from shoecal_core.robot.native_output import caught_stderr
 from shoecal_core.robot.symbolic import joint_axis
@@ -43,6 +44,7 @@ class Body:
         model: on a free-flying base.
         mimics: joints that another one's motor turns.
         locked: joints that the file fixes by equal limits.
+        meshes: folder in which its meshes are, where they are not where the file says.
         placements: of every joint of the model, in the base.
         centres: (3,) of every joint on its axis, wherever along it the file puts the joint's
             frame, in the base [m].
@@ -53,6 +55,7 @@ class Body:
     model: pin.Model
     mimics: Mapping[str, Mimic]
     locked: tuple[str, ...]
+    meshes: Path | None
     placements: tuple[pin.SE3, ...]
     centres: tuple[FloatArray, ...]
 
@@ -79,8 +82,12 @@ class Body:
         )
 
 
-def read_body(urdf: Path) -> Body:
+def read_body(urdf: Path, meshes: Path | None = None) -> Body:
     """Read a URDF.
+
+    Args:
+        urdf: the file.
+        meshes: folder in which its meshes are; None: where the file says, or near it.
 
     Raises:
         FileError: for one that is not understood whole: no masses, no limits, broken joints.
@@ -95,8 +102,9 @@ def read_body(urdf: Path) -> Body:
     placements = tuple(pin.SE3(placement) for placement in data.oMi)
     centres = _centres(description.model, placements)
     return Body(
-        urdf, root, description.model, description.mimics, description.locked, placements, centres
-    )
+        urdf, root, description.model, description.mimics, description.locked, meshes, placements,
+        centres,
+    )  # fmt: skip
 
 
 def _axis(model: pin.Model, placements: Sequence[pin.SE3], joint: int) -> FloatArray:
@@ -213,16 +221,9 @@ def _without_lost_meshes(
     return root, missing
 
 
-def _folders(body: Body) -> list[Path]:
-    """Where packages are looked for: the folders above the URDF."""
-    return list(body.urdf.resolve().parents)[:-1]
-
-
 def _trouble(body: Body, file: str) -> str:
     """What is the matter with a mesh file; empty where it can be used."""
-    scheme, _, rest = file.rpartition("://")
-    places = [Path(rest)] if scheme == "file" else [folder / rest for folder in _folders(body)]
-    there = next((place for place in places if place.is_file()), None)
+    there = find_mesh(body.urdf, file, body.meshes)
     if there is None:
         return "is not there"
     content = read_bytes(there)
@@ -246,11 +247,14 @@ def _geometry(
     for element in root:
         part = ElementTree.Element(element.tag, element.attrib)
         part.extend(
-            child
+            copy.deepcopy(child)
             for child in element
             if child.tag not in ("collision", "visual")
             or (child.tag == tag and element.get("name") in wanted)
         )
+        for mesh in part.iter("mesh"):
+            there = find_mesh(body.urdf, mesh.get("filename", ""), body.meshes)
+            mesh.set("filename", "" if there is None else str(there))
         if element.tag in ("link", "joint", "material"):
             robot.append(part)
     try:
@@ -259,7 +263,6 @@ def _geometry(
                 body.model,
                 ElementTree.tostring(robot, encoding="unicode"),
                 kind,
-                package_dirs=[str(folder) for folder in _folders(body)],
             )
     except (ValueError, RuntimeError) as error:
         reason = str(error).splitlines()[0] if str(error) else "rejected by the parser"

@@ -151,7 +151,12 @@ class Draft:
 
 
 def draft_robot(
-    urdf: Path, name: str, *, six_axis: bool = False, sole: SoleSize | None = None
+    urdf: Path,
+    name: str,
+    *,
+    six_axis: bool = False,
+    sole: SoleSize | None = None,
+    meshes: Path | None = None,
 ) -> Draft:
     """Find legs, soles, posture, capsules and sensors in a URDF.
 
@@ -160,12 +165,13 @@ def draft_robot(
         name: of the robot.
         six_axis: the feet have six-axis sensors even where the URDF names none.
         sole: measured; None: found from the feet's shapes.
+        meshes: folder of the meshes; None: where the URDF says, or near it.
 
     Raises:
         FileError: for a URDF that is no humanoid on two feet, without masses or limits, or without
             shapes of the feet where no sole was measured.
     """
-    body = read_body(urdf)
+    body = read_body(urdf, meshes)
     legs = find_legs(body)
     check_size(body, legs)
     shapes = find_shapes(body, {joint for chain in legs.chains for joint in chain})
@@ -206,9 +212,8 @@ def _soles(body: Body, legs: LegChains, shapes: Shapes, size: SoleSize | None) -
         if shapes.missing[foot]:
             raise UrdfError(
                 body.urdf,
-                f"its mesh {shapes.missing[foot][0]}, so its sole is not known; put "
-                "the meshes where the URDF names them (package://NAME is looked for in the "
-                "folders above it), or measure the sole and give --sole",
+                f"its mesh {shapes.missing[foot][0]}, so its sole is not known; say where the "
+                "meshes are (--mesh-dir), or measure the sole (--sole)",
                 field=f"link {body.link(foot)[0]}",
             )
         found.append(find_sole(body, foot, shapes.points[foot], legs.forward))

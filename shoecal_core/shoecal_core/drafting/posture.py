@@ -21,8 +21,8 @@ BEND = 0.8
 LEAST_BEND = 0.3
 MARGIN = 0.05
 """rad; from the joints' limits."""
-SIDEWAYS = 0.9
-"""Cosine of the angle within which an axis lies across the robot."""
+SIDEWAYS = 0.82
+"""Cosine of the angle within which an axis lies across the robot; some hips' tilt by 30 degrees."""
 SHARES = (0.1, 0.9)
 """Part of the knees' bend that the hips take, least and most."""
 

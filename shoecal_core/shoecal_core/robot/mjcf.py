@@ -52,6 +52,9 @@ def read_mjcf(path: Path) -> tuple[mujoco.MjSpec, mujoco.MjModel]:
         spec, whole = (mujoco.MjSpec.from_file(str(path)) for _ in range(2))
         # Bodies that are fixed to others keep their names and numbers.
         whole.compiler.fusestatic = False
+        # Pairs of contact often name the floor, which only the scene around the robot has.
+        for pair in whole.pairs:
+            whole.delete(pair)
         return spec, whole.compile()
     except ValueError as error:
         reason = " ".join(str(error).split())

@@ -171,7 +171,7 @@ def test_meshes_of_feet_that_are_not_installed(tmp_path: Path) -> None:
     assert "link left_sole: its mesh package://wren_meshes/left.stl is not there, so its sole" in (
         str(caught.value)
     )
-    assert str(caught.value).endswith("or measure the sole and give --sole")
+    assert str(caught.value).endswith("(--mesh-dir), or measure the sole (--sole)")
 
 
 @pytest.mark.parametrize(
