@@ -11,6 +11,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from shoecal_core.cli.arguments import require_folder
 from shoecal_core.cli.tables import LEVELS, new_table
 from shoecal_core.estimation.history import HistoryEntry, load_history
 from shoecal_core.shoe.shoe import FEET
@@ -30,6 +31,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     """Compare each with the oldest."""
+    if args.report is not None:
+        require_folder(args.report)
     history = load_history(args.calibrations)
     console.print(_table(history))
     if args.report is not None:

@@ -14,7 +14,7 @@ from shoecal_core.files import atomic_write
 from shoecal_core.recording.bag_draft import draft_mapping, mapping_text
 from shoecal_core.recording.bag_import import import_bags
 from shoecal_core.recording.csv_import import import_csv
-from shoecal_core.recording.session import Session
+from shoecal_core.recording.session import Session, require_free
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.shoe.shoe import load_shoe
 
@@ -53,6 +53,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     if not args.mapping.exists():
         made = "write one" if args.kind == CSV else "`shoecal import draft` makes one"
         raise FileMissingError(args.mapping, f"does not exist; {made}")
+    require_free(args.out)
     make = import_csv if args.kind == CSV else import_bags
     session = make(args.mapping, args.folder, args.out)
     return _report(session, args.out, console)

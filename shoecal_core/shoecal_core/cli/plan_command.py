@@ -50,10 +50,10 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     shoe = load_shoe(file)
     robot = load_robot(args.robot, shoe)
     console.print(f"{args.robot} with {file}", markup=False, soft_wrap=True)
+    earlier = PlanFolder(args.out)
     with shown_progress() as progress:
         supports = chosen_supports(args, robot, shoe, settings, progress)
         planner = Planner(robot, settings)
-        earlier = PlanFolder(args.out)
         plan = _Plan(args, console)
         for index, support in enumerate(supports):
             progress(f"planning {index + 1} of {len(supports)}", index / len(supports))

@@ -66,6 +66,18 @@ def _recorded(info: RunInfo) -> dict[str, str]:
     return {ROBOT: info.robot_hash, URDF: info.urdf_hash, SHOE: info.shoe_hash}
 
 
+def require_free(folder: Path) -> None:
+    """Refuse a folder for a new session that holds something already.
+
+    Raises:
+        FileTakenError: it does, or is a file.
+    """
+    if folder.exists() and not (folder.is_dir() and not any(folder.iterdir())):
+        raise FileTakenError(
+            folder, "exists already; sessions are never overwritten: name another folder"
+        )
+
+
 class _Kept(Generic[T]):
     """What files hold, each read again only when it has changed."""
 
@@ -132,8 +144,7 @@ class Session:
             FileError: when it cannot be made, or a file cannot be used.
         """
         folder = Path(folder)
-        if folder.exists() and not (folder.is_dir() and not any(folder.iterdir())):
-            raise FileTakenError(folder, "exists already; sessions are never overwritten")
+        require_free(folder)
         robot = read_yaml(robot_yaml).text("name")
         session = cls(folder, robot, load_shoe(shoe_yaml).name, seed, [])
         copies = {ROBOT: robot_yaml, URDF: robot_urdf, SHOE: shoe_yaml}

@@ -191,7 +191,7 @@ def test_no_effect(shoecal: Run, simulated: Path, text: str) -> None:
 def test_an_effect_that_there_is_not(shoecal: Run, simulated: Path) -> None:
     code, _, error = shoecal("diagnose", simulated, "--only", "latencies")
     assert code == 1
-    assert "no effect named 'latencies' (perhaps 'latency'; there are: nonlinearity, " in error
+    assert "no effect named 'latencies' (did you mean 'latency'? there are: nonlinearity, " in error
 
 
 def test_an_effect_and_its_places() -> None:
