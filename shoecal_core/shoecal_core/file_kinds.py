@@ -18,6 +18,8 @@ KINDS: Mapping[str, frozenset[str]] = {
 }
 """By the keys that a whole file of a kind has, and those of other kinds have not all of."""
 
+NODES = "a parameter file of nodes"
+"""Its keys are names of nodes."""
 XACRO = "is xacro: make a URDF of it (xacro FILE > robot.urdf)"
 DECIMAL_POINT = "write a decimal point, not a comma"
 """What is said of files that are xacro, and of numbers with a comma."""
@@ -29,7 +31,15 @@ def kind_of(keys: Sequence[str], known: Sequence[str]) -> str:
     for kind, own in KINDS.items():
         if own <= set(keys) and not own <= set(known):
             return kind
-    return ""
+    return NODES if keys and all(key.startswith("/") for key in keys) else ""
+
+
+def wanted(known: Sequence[str]) -> str:
+    """What to name instead of a file of another kind, by the keys that are known here."""
+    for kind, own in KINDS.items():
+        if own <= set(known):
+            return f"name {kind} here"
+    return "name the one that belongs here"
 
 
 def meant(given: str, known: Sequence[str]) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping, Sequence
-from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +12,7 @@ from rich.table import Table
 
 from shoecal_core.cli.arguments import require_folder
 from shoecal_core.cli.tables import LEVELS, new_table
-from shoecal_core.estimation.history import HistoryEntry, load_history
+from shoecal_core.estimation.history import HistoryEntry, load_history, made_text
 from shoecal_core.shoe.shoe import FEET
 
 
@@ -61,7 +60,7 @@ def _table(history: Sequence[HistoryEntry]) -> Table:
         zero = int(force[np.argmax(np.abs(entry.offset_change[force]))]) if len(force) else gain
         mark = ("*" if entry.gain_beyond[gain] else "", "*" if entry.offset_beyond[zero] else "")
         table.add_row(
-            datetime.fromtimestamp(one.made_ns // 10**9, UTC).strftime("%Y-%m-%d %H:%M"),
+            made_text(one),
             one.id,
             f"[{LEVELS[one.verdict]}]{one.verdict}[/]",
             f"{entry.gain_change[gain]:+.1f} %{mark[0]} ({one.channels[gain]})",

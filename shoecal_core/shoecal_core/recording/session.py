@@ -40,6 +40,8 @@ FORMAT = 1
 FILE = SESSION_FILE
 ROBOT, URDF, SHOE = "robot.yaml", SESSION_URDF, "shoe.yaml"
 TRUTH = "truth"
+NAMED = 5
+"""Sessions that an error names."""
 
 T = TypeVar("T")
 
@@ -76,6 +78,17 @@ def require_free(folder: Path) -> None:
         raise FileTakenError(
             folder, "exists already; sessions are never overwritten: name another folder"
         )
+
+
+def _within(folder: Path) -> str:
+    """What to name instead of a folder that is no session: those that it holds."""
+    try:
+        held = sorted(file.parent for file in folder.glob(f"*/{FILE}"))
+    except OSError:
+        held = []
+    if len(held) == 1:
+        return f"name the one that it holds: {held[0]}"
+    return f"name one that it holds: {', '.join(map(str, held[:NAMED]))}" if held else "name one"
 
 
 class _Kept(Generic[T]):
@@ -183,7 +196,7 @@ class Session:
         if not folder.is_dir():
             raise FileMissingError(folder, "does not exist; record, simulate or import a session")
         if not path.is_file():
-            raise SessionError(folder, f"is no session (it has no {FILE}); name one")
+            raise SessionError(folder, f"is no session (it has no {FILE}); {_within(folder)}")
         for name in (ROBOT, URDF, SHOE):
             if not (folder / name).is_file():
                 raise SessionError(folder, f"has lost its {name}; put it back")

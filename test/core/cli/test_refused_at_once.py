@@ -47,8 +47,10 @@ def test_a_plan_into_a_file(shoecal: Run, tmp_path: Path) -> None:
     [
         (
             "cells: {position_error_m: {left/toee: [0.001, 0.0]}}",
-            "cells.position_error_m: there is no channel 'left/toee' (did you mean 'left/toe'? "
-            "there are: ",
+            (
+                "cells.position_error_m: there is no channel 'left/toee' (did you mean 'left/toe'? "
+                "there are: "
+            ),
         ),
         (
             "effects: [{effect: hysteresis, location: [left/toee], fraction: 0.1}]",

@@ -154,6 +154,30 @@ def test_help_tells_defaults(capsys: pytest.CaptureFixture[str]) -> None:
     assert "(default: False)" not in told
 
 
+@pytest.mark.parametrize("command", ["calibrate", "diagnose", "evaluate"])
+def test_help_tells_no_empty_defaults(capsys: pytest.CaptureFixture[str], command: str) -> None:
+    with pytest.raises(SystemExit):
+        cli.main([command, "--help"])
+    told = " ".join(capsys.readouterr().out.split())
+    assert "--test R" in told
+    assert "(default: ()" not in told
+    assert "(default: []" not in told
+
+
+def test_an_option_of_several_values_names_them(capsys: pytest.CaptureFixture[str]) -> None:
+    line = told(capsys, "new", "robot", "a.urdf", "--sole", "0.1", "0.2", "0.1")
+    assert "--sole: expected 5 arguments: BACK FRONT INNER OUTER HEIGHT; see" in line
+
+
+def test_arguments_of_an_import_that_are_exchanged(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    mapping = tmp_path / "mapping.yaml"
+    mapping.touch()
+    line = told(capsys, "import", "bag", str(tmp_path), str(mapping), "--out", "session")
+    assert f"{tmp_path}: is a folder, and {mapping} a file: name the mapping first" in line
+
+
 @pytest.mark.parametrize("shell", SHELLS)
 def test_completion_knows_commands_options_and_names(shell: str) -> None:
     script = completion_script(shell)
