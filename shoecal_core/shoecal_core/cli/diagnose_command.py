@@ -19,6 +19,7 @@ from shoecal_core.cli.arguments import (
 )
 from shoecal_core.cli.diagnosis_table import print_diagnosis, sessions_table
 from shoecal_core.cli.progress import shown_progress
+from shoecal_core.cli.tables import print_table
 from shoecal_core.cli.zeros_table import zeros_table
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources.tolerances import Tolerances
@@ -95,7 +96,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         assert found.diagnosis is not None
         print_diagnosis(found.diagnosis, found.calibrated, console)
         if found.zeros:
-            console.print(zeros_table(found.zeros))
+            print_table(console, zeros_table(found.zeros))
         return found.to_json()
     return _many(jobs, args, console)
 
@@ -174,7 +175,7 @@ def _many(
             results[number] = found
             progress(f"{found.session}", len(results) / len(jobs))
     ordered = [results[number] for number in range(len(jobs))]
-    console.print(sessions_table(ordered))
+    print_table(console, sessions_table(ordered))
     figures = {"format": 1, "sessions": [one.to_json() for one in ordered]}
     failed = [one for one in ordered if one.diagnosis is None]
     if failed:

@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.table import Table
 
 from shoecal_core.cli.arguments import require_folder
-from shoecal_core.cli.tables import LEVELS, new_table
+from shoecal_core.cli.tables import LEVELS, new_table, print_table
 from shoecal_core.estimation.history import HistoryEntry, load_history, made_text
 from shoecal_core.shoe.shoe import FEET
 
@@ -33,7 +33,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     if args.report is not None:
         require_folder(args.report)
     history = load_history(args.calibrations)
-    console.print(_table(history))
+    print_table(console, _table(history))
     if args.report is not None:
         # Loaded where a report is asked for: the table alone is quick.
         from shoecal_core.report.history_report import history_report  # noqa: PLC0415

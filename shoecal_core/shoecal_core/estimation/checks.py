@@ -158,7 +158,7 @@ def check_directions(found: Identifiability, add: DoubleSupport | None) -> list[
     if not found.weak or found.rank >= found.possible:
         return []
     cure = _addition(add, "record more double supports with other yaws between the feet")
-    listed = list_reasons([weak.words for weak in found.weak], MOST_DIRECTIONS)
+    listed = list_reasons(list(found.weak_by_words), MOST_DIRECTIONS)
     return [
         Finding(
             "WARN",
