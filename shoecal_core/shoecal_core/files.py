@@ -227,6 +227,14 @@ def read_yaml(path: Path) -> Fields:
     return Fields(Path(path), "", value)
 
 
+def file_kind(path: Path) -> str:
+    """The kind of a YAML file by its keys; empty where it has none, or cannot be read."""
+    try:
+        return kind_of(read_yaml(path).keys(), ())
+    except FileError:
+        return ""
+
+
 def write_yaml(path: Path, value: Mapping[str, object]) -> None:
     """Write a mapping as YAML, atomically, keys in the order given."""
     atomic_write(path, yaml_text(value))

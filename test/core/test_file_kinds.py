@@ -63,7 +63,8 @@ def test_a_file_of_another_kind_is_named(read, file: Path, kind: str) -> None:  
         ('<robot xmlns:xacro="x"/><!-- of <xacro:leg> -->', "is a URDF; draft a robot file"),
         ("a:\n\tb: 1", "line 2 (found character '\\t' that cannot start any token); indent with"),
         ("a: [1", "correct it there"),
-        ("time,left,right\n1,2,3", "expected a mapping of keys to values"),
+        ("time,left,right\n1,2,3", "is a table (CSV), no YAML file; name the file of keys and"),
+        ("just a text", "expected a mapping of keys to values"),
     ],
 )
 def test_what_is_no_yaml(content: str, told: str, tmp_path: Path) -> None:

@@ -52,7 +52,8 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     checked = check_session(session, settings, tolerances, weight_kg=args.weight_kg)
     data, screening, outcome = checked.data, checked.data.screening, checked.outcome
     entries = [entry for entry in session.runs if entry.run in data.runs]
-    print_table(console, _table(session, entries, data.runs))
+    if entries:
+        print_table(console, _table(session, entries, data.runs))
     console.print(weight_line(data.weighed, data.robot), soft_wrap=True)
     if checked.zeros:
         print_table(console, zeros_table(checked.zeros))

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from shoecal_core.cli.arguments import add_shoe, shoe_file
+from shoecal_core.cli.arguments import add_shoe, refuse_exchanged, shoe_file
 from shoecal_core.cli.plan_folder import PlanFolder
 from shoecal_core.cli.planning_arguments import add_planning, chosen_supports, planner_settings
 from shoecal_core.cli.progress import shown_progress
@@ -46,6 +46,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     """Plan each motion, check it by an independent computation, write and draw it."""
     settings = planner_settings(args)
+    if args.shoe is not None:
+        refuse_exchanged(args.robot, args.shoe)
     file = shoe_file(args, args.robot)
     shoe = load_shoe(file)
     robot = load_robot(args.robot, shoe)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from shoecal_core.cli.arguments import rate_hz, seed_number
+from shoecal_core.cli.arguments import rate_hz, refuse_exchanged, seed_number
 from shoecal_core.cli.planning_arguments import (
     STANDARD_SET,
     add_planning,
@@ -65,6 +65,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     settings = planner_settings(args)
     if args.own_steps:
         settings = dataclasses.replace(settings, one_foot=True)
+    refuse_exchanged(args.robot, args.shoe)
     shoe = load_shoe(args.shoe)
     robot = load_robot(args.robot, shoe)
     reality = load_reality(config_dir() / "realities" / "default.yaml", args.reality)

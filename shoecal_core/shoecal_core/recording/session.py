@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import secrets
 import shutil
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -78,6 +78,13 @@ def require_free(folder: Path) -> None:
         raise FileTakenError(
             folder, "exists already; sessions are never overwritten: name another folder"
         )
+
+
+def missing_text(runs: Sequence[int]) -> str:
+    """Runs that were started and are gone, in words."""
+    if len(runs) == 1:
+        return f"run {runs[0]} was begun but its file is gone: put it back"
+    return f"runs {', '.join(map(str, runs))} were begun but their files are gone: put them back"
 
 
 def _within(folder: Path) -> str:

@@ -81,6 +81,17 @@ def test_a_file_beside_the_one_that_is_not_there(tmp_path: Path) -> None:
     assert not nearest_file(tmp_path / "sesion" / "other.yaml")
     assert not nearest_file(tmp_path / "session")
     assert not nearest_file(tmp_path / "qqqqqq" / "wwwwww" / "eeeeee")
+    (tmp_path / "e.yaml").touch()
+    assert not nearest_file(tmp_path / "none.yaml")
+    assert nearest_file(tmp_path / "ee.yaml").endswith(f"'{tmp_path / 'e.yaml'}'?")
+
+
+@pytest.mark.parametrize("words", [("plan", SHOE, "--shoe", NAO), ("simulate", SHOE, NAO)])
+def test_robot_and_shoe_that_are_exchanged(
+    capsys: pytest.CaptureFixture[str], words: tuple[str, ...]
+) -> None:
+    line = told(capsys, *words, "--out", "x")
+    assert f"{SHOE} is the shoe file and {NAO} the robot file: exchange the two" in line
 
 
 def test_a_folder_to_write_to_that_is_mistyped_gets_a_guess(
