@@ -25,6 +25,7 @@ from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.samples.zeros import ZeroFigures, zeros_json
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.workflows.evaluation import load_calibration_of
+from shoecal_core.workflows.many_jobs import ENDED
 
 READ_TO, SIMULATED_FROM = 0.1, 0.7
 """Share of the work in which runs are read, and after which the found effects are simulated."""
@@ -190,6 +191,11 @@ def attempt(job: DiagnosisRequest) -> Diagnosed:
         return do(job)
     except ShoecalError as error:
         return Diagnosed(job.session, error=str(error))
+
+
+def lost(job: DiagnosisRequest) -> Diagnosed:
+    """What stands for a job whose process or worker ended before it."""
+    return Diagnosed(job.session, error=f"{job.session}: {ENDED}")
 
 
 def _library(own: Path | None) -> tuple[Effect, ...]:
