@@ -32,21 +32,21 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--mjcf", type=Path, help="of a humanoid (default: Wren, a small one)")
     parser.add_argument("--out", type=Path, default=Path("out/examples"), help="folder of results")
-    args = parser.parse_args()
-    (folder := args.out / "mjcf").mkdir(parents=True, exist_ok=True)
+    (folder := (args := parser.parse_args()).out / "mjcf").mkdir(parents=True, exist_ok=True)
     robot, shoe, reality = (str(folder / f"my{end}.yaml") for end in ("", "_shoe", "_reality"))
-    new = ["new", "robot", str(args.mjcf or wren(folder / "wren.xml")), "--out", robot]
+    mjcf = args.mjcf or wren(folder / "wren.xml")
+    new = ["new", "robot", str(mjcf), "--out", robot]
     simulate = ["simulate", robot, shoe, "--reality", reality, "--out", str(folder / "session")]
     if shoecal(new) or shoecal([*simulate, "--supports", "4"]):
         raise SystemExit(1)  # why has been printed
     session = sc.Session.open(folder / "session")
-    found = correct_robot(session, (1, 2, 3), (4,), CalibrationSettings(), Tolerances())
+    found = correct_robot(session, (1, 2, 3), (4,), CalibrationSettings(), Tolerances(), mjcf)
     before, after = (1e3 * one.cop.mean for one in (found.before, found.after))
     print(f"CoP against the model: {before:.2f} mm, against the corrected one: {after:.2f} mm")
-    for name, text in found.files.items() if found.better else ():
-        atomic_write(folder / name, text)  # robot.yaml and its robot.urdf
-    coms = [one for one in found.found if one.deviation.component == "x"]
-    links = [one.deviation.location[0] for one in coms]
+    for name, text in found.corrected.files.items() if found.better else ():
+        atomic_write(folder / name, text)  # robot.xml, its meshes' paths absolute, and others
+    coms = [one for one in found.corrected.found if one.component == "x"]
+    links = [one.location[0] for one in coms]
     true = yaml.safe_load((folder / "session/truth/reality.yaml").read_text())["com_error_m"]
     axes = (figure := Figure(layout="constrained")).add_subplot(title="CoM of links, forward (mm)")
     axes.plot([1e3 * true[link][0] for link in links], links, "C0x", label="true")

@@ -127,7 +127,7 @@ def test_own_shoe(out: Path) -> None:
 def test_correct_mjcf(out: Path) -> None:
     said = run("correct_mjcf", out)
     assert number("corrected one:", said) < number("against the model:", said)
-    for name in ("robot.yaml", "robot.urdf"):
+    for name in ("robot.yaml", "robot.urdf", "robot.xml", "randomisation.yaml"):
         assert (out / "mjcf" / name).is_file()
     shoe = load_shoe(out / "mjcf" / "my_shoe.yaml")
     # The robot of the simulator has its body's CoM 5 mm further forward than its files say.

@@ -16,7 +16,7 @@ from shoecal_core.diagnosis.next_motion import propose
 from shoecal_core.diagnosis.preflight import preflight
 from shoecal_core.diagnosis.result import Diagnosis
 from shoecal_core.diagnosis.rewiring import rewired
-from shoecal_core.diagnosis.selection import Selection, asked_for, judged, over_all_runs, select
+from shoecal_core.diagnosis.selection import Selection, asked_for, over_all_runs, select
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.shaking import shaking
 from shoecal_core.diagnosis.shrink import gap, shrink
@@ -199,7 +199,7 @@ def _borne_out(
 
     Where they bear out none, the ranking is that of all hypotheses.
     """
-    singles = over_all_runs(workspace, judged(workspace, None))
+    singles = over_all_runs(workspace, None)
     first: Selection | None = None
     denied: dict[str, None] = {}
     for _ in range(TRIES):

@@ -155,6 +155,22 @@ def sensible(form: Form, sizes: FloatArray) -> bool:
 
 
 @dataclass(frozen=True)
+class Glance:
+    """A quick look at a hypothesis.
+
+    Attributes:
+        gain: logarithm of evidence that its best form adds, one of so many.
+        alike: by how much all its forms together are more probable than the best alone, as a
+            logarithm: where the recording cannot tell them apart, their number costs nothing.
+        parts: forms to be fitted in full.
+    """
+
+    gain: float
+    alike: float
+    parts: tuple[Part, ...]
+
+
+@dataclass(frozen=True)
 class _Weighted:
     """The baseline under some weights (G,), ready for columns to be added."""
 
@@ -389,9 +405,7 @@ class Scorer:
         whole *= weight[:, None]
         return Posterior(whole.T @ whole, np.concatenate((precision, scored.std**-2.0))).root
 
-    def gains(
-        self, hypotheses: Sequence[Hypothesis], kept: Scored | None = None
-    ) -> list[tuple[float, Sequence[Part]]]:
+    def gains(self, hypotheses: Sequence[Hypothesis], kept: Scored | None = None) -> list[Glance]:
         """Of each hypothesis how much it explains, and the forms that explain most: a quick look.
 
         At the variances and levels of what is there already, and at the usual ones; forms that
@@ -402,12 +416,13 @@ class Scorer:
         """
         kept = self.nothing if kept is None else kept
         lefts = [self._left(one) for one in (kept, kept.strict)]
-        found: list[tuple[float, Sequence[Part]]] = []
+        found: list[Glance] = []
         for hypothesis in hypotheses:
-            best = [one for left in lefts if (one := _best(left, hypothesis)) is not None]
-            if best:
-                forms = {form.columns: (hypothesis, form) for _, form in best}
-                found.append((max(gain for gain, _ in best), tuple(forms.values())))
+            each = [one for left in lefts if (one := _glance(left, hypothesis)) is not None]
+            if each:
+                best = max(each, key=lambda one: one.gain)
+                forms = {form.columns: (at, form) for one in each for at, form in one.parts}
+                found.append(replace(best, parts=tuple(forms.values())))
         return found
 
     def _left(self, kept: Scored) -> FloatArray:
@@ -424,15 +439,18 @@ class Scorer:
         return left
 
 
-def _best(left: FloatArray, hypothesis: Hypothesis) -> tuple[float, Form] | None:
-    """The form that adds most evidence, of what the baseline leaves; None if none makes sense."""
-    found: tuple[float, Form] | None = None
+def _glance(left: FloatArray, hypothesis: Hypothesis) -> Glance | None:
+    """At its forms, by what the baseline leaves; None if none makes sense."""
+    found = []
     for form in hypothesis.forms:
         gain, sizes = _gain(left, form)
-        gain -= math.log(len(hypothesis.forms))
-        if sensible(form, sizes) and (found is None or gain > found[0]):
-            found = gain, form
-    return found
+        if sensible(form, sizes):
+            found.append((gain, form))
+    if not found:
+        return None
+    most, best = max(found, key=lambda one: one[0])
+    alike = float(np.logaddexp.reduce([gain - most for gain, _ in found]))
+    return Glance(most - math.log(len(hypothesis.forms)), alike, ((hypothesis, best),))
 
 
 def _gain(left: FloatArray, form: Form) -> tuple[float, FloatArray]:

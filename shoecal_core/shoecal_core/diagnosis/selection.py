@@ -29,6 +29,8 @@ LOOKED_AT, PLACES_EACH = 14, 5
 """Hypotheses that are fitted in full, and of one effect at most."""
 TESTED = 6
 """Of the most probable ones by the runs that were fitted, on runs left out."""
+SENSED = frozenset(("load_cell", "timing"))
+"""Groups of effects whose laws can stand for each other at one place."""
 LEAST_GAIN = -1.0
 """Log evidence at a quick look below which an effect is not fitted in full for its own sake."""
 
@@ -100,7 +102,7 @@ def select(
         settings: of the diagnosis.
         singles: those that may come first, judged by themselves; None: all.
     """
-    singles = over_all_runs(workspace, judged(workspace, None)) if singles is None else singles
+    singles = over_all_runs(workspace, None) if singles is None else singles
     chosen: Scored | None = None
     ranked = singles
     while chosen is None or len(chosen.parts) < settings.causes_max:
@@ -112,7 +114,7 @@ def select(
             singles = singles[at:]
         chosen = ranked[at].scored
         if len(chosen.parts) < settings.causes_max:
-            ranked = judged(workspace, chosen)
+            ranked = over_all_runs(workspace, chosen)
     if chosen is not None:
         chosen = _pruned(workspace, chosen, settings)
     found = _found(workspace, chosen, singles)
@@ -210,42 +212,48 @@ def judged(
     """
     scorer = workspace.scorer
     before = company or max((scorer.nothing, scorer.other), key=value)
-    taken = {one.effect.identifier for one, _ in company.parts} if company is not None else set()
-    # What an effect leaves of itself at another place is no second one.
-    others = [one for one in workspace.catalogue.hypotheses if one.effect.identifier not in taken]
-    gains = scorer.gains(others, company)
-    gains.sort(key=lambda one: one[0] + math.log(one[1][0][0].prior), reverse=True)
+    parts = [one for one, _ in company.parts] if company is not None else []
+    effects = {one.effect.identifier for one in parts}
+    places = {(one.effect.group, one.place) for one in parts if one.effect.group in SENSED}
+    # What an effect leaves of itself at another place is no second one; nor is what is left of a
+    # cell's law that has another form than the library has it in.
+    others = [
+        one
+        for one in workspace.catalogue.hypotheses
+        if one.effect.identifier not in effects and (one.effect.group, one.place) not in places
+    ]
+    glances = scorer.gains(others, company)
+    glances.sort(key=lambda one: one.gain + math.log(one.parts[0][0].prior), reverse=True)
     seen: Counter[str] = Counter()
     found = []
-    for at, (gain, forms) in enumerate(gains):
-        hypothesis = forms[0][0]
+    for at, glance in enumerate(glances):
+        hypothesis = glance.parts[0][0]
         effect = hypothesis.effect.identifier
-        if at >= most and (seen[effect] or gain < LEAST_GAIN):
+        if at >= most and (seen[effect] or glance.gain < LEAST_GAIN):
             continue
         if each is not None and seen[effect] >= each:
             continue
         seen[effect] += 1
         kept = company.parts if company is not None else ()
-        ways = [_best_way(workspace, (*kept, part), company) for part in forms]
+        ways = [_best_way(workspace, (*kept, part), company) for part in glance.parts]
         scored = max((way for way in ways if way is not None), key=value, default=None)
         if scored is not None:
-            log = value(scored) - value(before) + math.log(hypothesis.prior)
+            log = value(scored) - value(before) + glance.alike + math.log(hypothesis.prior)
             found.append(Judged(scored, log, before))
     found.sort(key=lambda one: one.log, reverse=True)
     return found
 
 
-def over_all_runs(workspace: Workspace, singles: Sequence[Judged]) -> list[Judged]:
+def over_all_runs(workspace: Workspace, company: Scored | None) -> list[Judged]:
     """The same, by how probable runs left out are with each as well: the most probable first.
 
     Errors as built are as large there as the fit has them, with a cause and without: by the chain
     rule this is the evidence of all runs.
     """
-    scorer, found = workspace.scorer, list(singles)
+    scorer, found = workspace.scorer, judged(workspace, company)
     if workspace.test:
-        least = max(
-            workspace.predicted(one, bounded=False) for one in (scorer.nothing, scorer.other)
-        )
+        before = (company,) if company is not None else (scorer.nothing, scorer.other)
+        least = max(workspace.predicted(one, bounded=False) for one in before)
         for at, one in enumerate(found[:TESTED]):
             if one.part[1].shape.run is None:
                 log = workspace.predicted(one.scored, bounded=False)
@@ -309,14 +317,15 @@ def _pruned(workspace: Workspace, chosen: Scored, settings: DiagnosisSettings) -
 def _alternatives(
     workspace: Workspace, chosen: Scored | None, singles: Sequence[Judged]
 ) -> tuple[tuple[tuple[Hypothesis, float], ...], ...]:
-    if chosen is None or len(chosen.parts) < 2:
-        if not singles:
-            return ()
-        # By the fitted runs, were those left out to say of all what they say of the first.
-        of_first = singles[0].predicted if chosen is not None else 0.0
-        return (tuple((one.part[0], one.total - of_first) for one in singles),)
+    if chosen is None:
+        return (tuple((one.part[0], one.total) for one in singles),) if singles else ()
     found = []
-    for index in range(len(chosen.parts)):
-        rivals = judged(workspace, fit_without(workspace, chosen, index))
-        found.append(tuple((one.part[0], one.log) for one in rivals))
+    for index, (hypothesis, _) in enumerate(chosen.parts):
+        alone = len(chosen.parts) == 1
+        rivals = (
+            singles if alone else over_all_runs(workspace, fit_without(workspace, chosen, index))
+        )
+        # By the fitted runs, were those left out to say of all what they say of the chosen one.
+        own = next((one.predicted for one in rivals if one.part[0] is hypothesis), 0.0)
+        found.append(tuple((one.part[0], one.total - own) for one in rivals))
     return tuple(found)

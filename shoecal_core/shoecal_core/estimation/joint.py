@@ -13,10 +13,11 @@ from scipy.special import chdtri
 from shoecal_core.error_sources.settings import SignalSettings
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import ShoecalError
+from shoecal_core.estimation.contradiction import contradiction
 from shoecal_core.estimation.correction_fit import fit_corrections
 from shoecal_core.estimation.fit import SelfCalibration
 from shoecal_core.estimation.initial_guess import InitialGuess
-from shoecal_core.estimation.joint_fit import RATE_HZ, JointFit, fit_jointly
+from shoecal_core.estimation.joint_fit import RATE_HZ, JointFit, UnsettledError, fit_jointly
 from shoecal_core.estimation.known import KnownShoe, KnownZeros, Since
 from shoecal_core.estimation.least_squares import Fit
 from shoecal_core.samples.samples import Samples
@@ -57,7 +58,7 @@ def joint_calibration(
         hanging: what feet read in runs in which both are in the air.
 
     Raises:
-        ShoecalError: when it does not settle.
+        UnsettledError: when it does not settle, with what contradicts the rest.
     """
     signals = SignalSettings(
         rate_hz=RATE_HZ,
@@ -67,16 +68,26 @@ def joint_calibration(
         offset_std_n=settings.offset_std_n,
         model_error_rad=settings.model_error_rad,
     )
-    return fit_jointly(
-        samples,
-        train,
-        guess=guess.parameters,
-        settings=signals,
-        tolerances=tolerances,
-        time_offset_std_s=settings.time_offset_std_s,
-        known=known,
-        zeros=known_zeros(samples.shoe, hanging, tolerances),
-    )
+    zeros = known_zeros(samples.shoe, hanging, tolerances)
+
+    def solve(runs: Sequence[int], without: frozenset[str] = frozenset()) -> JointFit:
+        return fit_jointly(
+            samples,
+            runs,
+            guess=guess.parameters,
+            settings=signals,
+            tolerances=tolerances,
+            time_offset_std_s=settings.time_offset_std_s,
+            known=known,
+            zeros=zeros,
+            without=without,
+        )
+
+    try:
+        return solve(train)
+    except UnsettledError as error:
+        why = contradiction(solve, samples, train, signals)
+        raise UnsettledError(f"the joint fit did not settle: {why}") from error
 
 
 def known_zeros(shoe: Shoe, zeros: Sequence[Zero], tolerances: Tolerances) -> KnownZeros:

@@ -48,6 +48,10 @@ EXACT_S = 1e-6
 """Standard deviation of a time offset that is held at zero."""
 
 
+class UnsettledError(ShoecalError):
+    """A fit whose steps do not become small: its signals contradict each other."""
+
+
 @dataclass(frozen=True)
 class FittedDeviation:
     """One deviation with its fitted value and standard deviation, in its unit."""
@@ -153,6 +157,7 @@ def fit_jointly(
     time_offset_std_s: float,
     known: KnownShoe | None = None,
     zeros: KnownZeros | None = None,
+    without: frozenset[str] = frozenset(),
 ) -> JointFit:
     """Fit gains, offsets, time offset and deviations to the training runs.
 
@@ -165,9 +170,11 @@ def fit_jointly(
         time_offset_std_s: how far joints and readings may be apart in time [s].
         known: of the shoe, by a manual calibration; None: nothing.
         zeros: of a robot that hung; None: it did not.
+        without: families of signals that are left out (`signals.FAMILIES`).
 
     Raises:
-        ShoecalError: when there is nothing to fit, a reading is no number, or it does not settle.
+        ShoecalError: when there is nothing to fit, or a reading is no number.
+        UnsettledError: when it does not settle.
     """
     fitted = np.isin(samples.run, train)
     if not fitted.any():
@@ -178,7 +185,7 @@ def fit_jointly(
     if lost.any():
         named = ", ".join(np.array(samples.shoe.names)[lost])
         raise ShoecalError(f"readings of {named} are not numbers: leave those samples out")
-    signal_model = make_signal_model(samples, guess, settings).with_planes(settings)
+    signal_model = make_signal_model(samples, guess, settings, without).with_planes(settings)
     late = _time_offset_column(signal_model)
     own_std = np.append(
         parameter_std(samples.shoe, guess.gain, samples.robot.weight, settings),
@@ -218,8 +225,8 @@ def fit_jointly(
     return _joint_fit(system, signal_model, solution, initial_cost, steps, moved)
 
 
-def _unsettled(moved: float) -> ShoecalError:
-    return ShoecalError(
+def _unsettled(moved: float) -> UnsettledError:
+    return UnsettledError(
         f"the joint fit did not settle within {MAX_STEPS} steps (the last one was {moved:.1e} of "
         "the priors); run `shoecal check SESSION` to look for faults of the recording"
     )

@@ -14,6 +14,7 @@ class Fault(Enum):
     SATURATED = "saturated"
     INVERTED = "inverted"
     SWAPPED = "swapped"
+    MOVED_ZEROS = "moved_zeros"
     WRONG_WEIGHT = "wrong_weight"
     SPIKE = "spike"
     TOO_FAST = "too_fast"

@@ -16,6 +16,7 @@ from shoecal_core.screening.unresponsive import Stuck
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.screening.weights import WrongWeight
 from shoecal_core.screening.wiring import WiringFaults, of_feet
+from shoecal_core.screening.zeros import MovedZeros
 from shoecal_core.shoe.shoe import Shoe
 
 NOTABLE: Mapping[Fault, float] = {
@@ -137,6 +138,36 @@ def of_ends(shoe: Shoe, shares: Sequence[float]) -> list[Finding]:
         for name, share in zip(shoe.names, shares, strict=True)
         if share > 0.0
     ]
+
+
+def of_zeros(found: MovedZeros | None, weight: float) -> list[Finding]:
+    """Channels that were zeroed between the runs."""
+    if found is None:
+        return []
+    tare = (
+        "the cells were zeroed (tare) under load between the runs; take the tare out of the "
+        "firmware (HX711 libraries do it in setup()), or keep the boards powered from the first "
+        "run to the last, and record again"
+    )
+    than = _runs(found.reference)
+    if found.less:
+        text = (
+            f"{_runs(found.less)} {'read' if found.less[1:] else 'reads'} {weight:.1f} N less than "
+            f"{than}, all of the robot's weight: {tare}"
+        )
+        return [Finding("FAIL", text, Fault.MOVED_ZEROS)]
+    moved = " and ".join(f"{1e3 * one:.0f}" for one in found.cop.values())
+    text = (
+        f"the zeros of {_runs(tuple(found.cop))} are not those of {than}: the CoP "
+        f"moves by {moved} mm with them, at the same weight; {tare}"
+    )
+    return [Finding("FAIL", text, Fault.MOVED_ZEROS)]
+
+
+def _runs(numbers: Sequence[int]) -> str:
+    """Some runs, in words."""
+    *others, last = map(str, sorted(numbers))
+    return f"runs {', '.join(others)} and {last}" if others else f"run {last}"
 
 
 def of_weights(found: Sequence[WrongWeight]) -> list[Finding]:

@@ -31,6 +31,7 @@ from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.screening.spikes import find_jumps
 from shoecal_core.screening.weights import wrong_weights
 from shoecal_core.screening.wiring import check_wiring
+from shoecal_core.screening.zeros import moved_zeros
 from shoecal_core.shoe.sensing import MINIMUM_FORCE
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters, cop, foot_wrenches
@@ -86,8 +87,15 @@ def screen_standing(
     fit = solve(reweighed(rows, information), information)
     missing = {run: settings.force_std_n * one.off(fit.vector)[0] for run, one in rows.items()}
     ended = saturated(parts, missing, fit.parameters.gain, settings)
+    found = found.adding(words.of_saturated(shoe, ended))
+    if several and not found.fails:
+        height = float(np.median([np.median(one.states.com[:, 0, 2]) for one in aligned.values()]))
+        moved = moved_zeros(rows, information, weight, height, settings)
+        found = found.adding(words.of_zeros(moved, weight))
+    if found.fails:
+        return found
     wrong = wrong_weights(rows, information, settings) if several else []
-    found = found.adding([*words.of_saturated(shoe, ended), *words.of_weights(wrong)])
+    found = found.adding(words.of_weights(wrong))
     if found.fails:
         return found
     fitting = {run: one for run, one in rows.items() if run not in {one.run for one in wrong}}

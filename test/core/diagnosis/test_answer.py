@@ -150,8 +150,7 @@ def test_the_next_one_is_named_where_test_runs_refute_the_first(
             (part(drawn, "link_com (Neck_link)"), SURE),
         )
     )
-    monkeypatch.setattr(diagnose_module, "judged", lambda *_: [wrong, true])
-    monkeypatch.setattr(diagnose_module, "over_all_runs", lambda _, singles: singles)
+    monkeypatch.setattr(diagnose_module, "over_all_runs", lambda *_: [wrong, true])
     settings = replace(SETTINGS, causes_max=1, material_m=0.0)
     named, words = diagnose_module._borne_out(drawn, settings)
     assert named.chosen is not None

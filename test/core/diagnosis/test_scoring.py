@@ -143,8 +143,17 @@ def test_sizes_and_their_places() -> None:
     assert found.sizes[found.own(1)].tolist() == found.sizes[2:].tolist()
     spread = np.sqrt(np.diag(found.covariance)[-3:])
     assert (np.abs(found.sizes - size[[0, 1, 3]]) < 4.0 * spread).all()
-    (gain, forms), *_ = sorted(scorer.gains([first, second]), key=lambda one: -one[0])
-    assert 0.3 < gain / scorer.score(forms[:1]).evidence < 3.0
+    best = max(scorer.gains([first, second]), key=lambda one: one.gain)
+    assert 0.3 < best.gain / scorer.score(best.parts[:1]).evidence < 3.0
+
+
+def test_forms_that_look_alike_cost_nothing_by_their_number() -> None:
+    """A law that may have seven forms is as probable as one with one, where all seven fit alike."""
+    scorer = Scorer(rows(5, size=np.array([0.8, 0.0, 0.0, 0.0])), 0)
+    one, seven = scorer.gains([possible((0,), STD[:1], forms) for forms in (1, 7)])
+    assert one.alike == 0.0
+    assert seven.gain + seven.alike == pytest.approx(one.gain)
+    assert seven.gain < one.gain
 
 
 def test_levels_follow_what_the_robot_shows() -> None:

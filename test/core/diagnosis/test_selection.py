@@ -144,12 +144,12 @@ def test_runs_left_out_count_like_those_that_were_fitted(urn: Urn) -> None:
     """By the chain rule: what was fitted predicts them as well as what is true does."""
     truth = "floor_tilt"
     drawn = urn.draw(np.random.default_rng(8), {truth: [0.012, 0.008]})
-    ranked = {one.part[0].label: one for one in over_all_runs(drawn, judged(drawn, None))}
+    ranked = {one.part[0].label: one for one in over_all_runs(drawn, None)}
     assert ranked[truth].predicted > 0.0
     assert ranked[truth].total == max(one.total for one in ranked.values())
     # Without them, and of what happened in one run, nothing is said.
     alone = replace(drawn, test=())
-    assert all(one.total == one.log for one in over_all_runs(alone, judged(alone, None)))
+    assert all(one.total == one.log for one in over_all_runs(alone, None))
     bound = [one for one in ranked.values() if one.part[1].shape.run is not None]
     assert all(one.predicted == 0.0 for one in bound)
 
@@ -162,6 +162,19 @@ def test_the_most_probable_by_all_runs_is_chosen(urn: Urn) -> None:
     assert chosen(drawn, singles) is first.part[0]
     singles = [replace(second, log=20.0, predicted=11.0), replace(first, log=30.0)]
     assert chosen(drawn, singles) is second.part[0]
+
+
+def test_runs_left_out_count_for_further_causes_too(urn: Urn) -> None:
+    """They say of a second cause, beside the first, what they say of one by itself."""
+    drawn = urn.draw(
+        np.random.default_rng(8), {"floor_tilt": [0.02, 0.012], "latency (left)": [0.08]}
+    )
+    first = drawn.scorer.score([part(drawn, "floor_tilt")])
+    ranked = over_all_runs(drawn, first)
+    assert ranked[0].part[0].label == "latency (left)"
+    both = drawn.predicted(ranked[0].scored, bounded=False)
+    assert ranked[0].predicted == both - drawn.predicted(first, bounded=False)
+    assert ranked[0].predicted > 0.0
 
 
 def chosen(drawn: Workspace, singles: Sequence[Judged]) -> Hypothesis:

@@ -50,8 +50,10 @@ def test_a_component_that_forms_hold_is_as_sure_as_they_differ(urn: Urn) -> None
     spreads = []
     for fraction in (0.01, 0.06):
         drawn = urn.draw(np.random.default_rng(3), {label: [fraction]})
-        ((_, forms),) = drawn.scorer.gains([creep])
-        scored = max((drawn.scorer.score([one]) for one in forms), key=lambda one: one.evidence)
+        (glance,) = drawn.scorer.gains([creep])
+        scored = max(
+            (drawn.scorer.score([one]) for one in glance.parts), key=lambda one: one.evidence
+        )
         time = sizes(drawn, scored, 0)["time"]
         assert time.value == scored.parts[0][1].shape.fixed["time"]
         spreads.append(form_spread(drawn, scored, 0, "time", time.value))

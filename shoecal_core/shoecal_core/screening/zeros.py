@@ -1,0 +1,113 @@
+"""Do the channels have other zeros in each run? Boards that tare when they get power do that.
+
+Each run's equations get a wrench of its own, as if its zeros differed from the others' by it:
+
+    sum_i A_i (g_i S_i + d_i) + b_r = w - b
+
+One run's stances fix three numbers of its zeros, no more: so b_r (F, Mx, My), not each channel's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.screening.rough_fit import Equations, reweighed, solve
+from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.shoe.priors import TORQUE_LEVER_M
+
+FloatArray = NDArray[np.float64]
+
+LEAST_COST = 1.0
+WHOLE = 0.1
+"""Part of the weight by which a difference may miss all of it: gains are roughly known."""
+SAME = 0.05
+"""Part of the weight by which runs under the same weight may differ."""
+TILT_RAD = 0.05
+"""What errors of joints, floor and feet move the CoP by from run to run, as a tilt of the robot:
+faults of joints and floors that were tried gave up to 0.03."""
+LEFT = 0.2
+"""Of what the runs contradict each other by, the most that zeros of their own may leave. Of a tare
+they leave a hundredth; of other faults mostly all."""
+
+
+@dataclass(frozen=True)
+class MovedZeros:
+    """Runs whose zeros differ from each other's.
+
+    Attributes:
+        less: runs that show as much less than others as the robot weighs; mostly empty.
+        reference: the runs that the others are compared with.
+        cop: by run, what the zeros move the CoP by against the reference [m].
+    """
+
+    less: tuple[int, ...]
+    reference: tuple[int, ...]
+    cop: Mapping[int, float]
+
+
+def moved_zeros(
+    runs: Mapping[int, Equations],
+    information: FloatArray,
+    weight: float,
+    height: float,
+    settings: CalibrationSettings,
+) -> MovedZeros | None:
+    """Whether zeros moved between runs by what only a tare under load moves them by.
+
+    Args:
+        runs: equations of each.
+        information: (2n,) prior, of gains and offsets.
+        weight: of robot and shoes [N]. height: of its CoM over the floor [m].
+
+    Returns:
+        None where they did not.
+    """
+    shift, left = _shifts(runs, information, weight, settings)
+    if left > LEFT:
+        return None
+    numbers, scale = list(runs), np.array([1.0, TILT_RAD * height, TILT_RAD * height]) * weight
+    away = np.linalg.norm((shift - np.median(shift, axis=0)) / scale, axis=1)
+    at = int(np.argmin(away))
+    less, more, cop = list[int](), list[int](), dict[int, float]()
+    for run, (force, *moment) in zip(numbers, shift - shift[at], strict=True):
+        if abs(abs(force) - weight) < WHOLE * weight:
+            (less if force > 0.0 else more).append(run)
+        moved = float(np.hypot(*moment)) / weight
+        # Under another weight it is a load, and no tare.
+        if moved > TILT_RAD * height and abs(force) < SAME * weight:
+            cop[run] = moved
+    if less or more:
+        less = less or [run for run in numbers if run not in more]
+        rest = tuple(run for run in numbers if run not in less)
+        return MovedZeros(tuple(less), rest, cop)
+    return MovedZeros((), (numbers[at],), cop) if cop else None
+
+
+def _shifts(
+    runs: Mapping[int, Equations],
+    information: FloatArray,
+    weight: float,
+    settings: CalibrationSettings,
+) -> tuple[FloatArray, float]:
+    """(R, 3) the runs' own wrenches [N, N m], and the share of the misfit that they leave."""
+    count = len(runs)
+    moment = settings.cop_std_m * weight
+    std = np.array([settings.force_std_n, moment, moment])
+    own = {}
+    for index, (run, one) in enumerate(runs.items()):
+        columns = np.zeros((3, one.matrix.shape[1], count, 3))
+        columns[np.arange(3), :, index, np.arange(3)] = 1.0 / std[:, None]
+        flat = columns.reshape(3, -1, 3 * count)
+        own[run] = replace(one, matrix=np.concatenate((one.matrix, flat), axis=2))
+    # A tare takes away what stood on the channels: no more than the weight.
+    usual = weight * np.array([1.0, TORQUE_LEVER_M, TORQUE_LEVER_M])
+    whole = np.concatenate((information, np.tile(usual**-2.0, count)))
+    own = reweighed(own, whole)
+    fit = solve(own, whole)
+    common = {run: replace(one, weight=own[run].weight) for run, one in runs.items()}
+    left = fit.cost / max(solve(common, information).cost, LEAST_COST)
+    return fit.vector[len(information) :].reshape(count, 3), left

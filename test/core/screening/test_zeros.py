@@ -1,0 +1,77 @@
+"""Channels that were zeroed again between runs, under load."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from core.screening.recordings import HEIGHT, SETTINGS, WEIGHT, Recording, recording
+from core.screening.test_weights import carrying
+from shoecal_core.screening.blocks import blocks
+from shoecal_core.screening.findings import of_zeros
+from shoecal_core.screening.rough_fit import equations, prior
+from shoecal_core.screening.zeros import MovedZeros, moved_zeros
+
+FloatArray = NDArray[np.float64]
+
+
+def found(whole: Recording) -> MovedZeros | None:
+    cut = {run: blocks(one, whole.shoe) for run, one in whole.aligned.items()}
+    rows = {run: equations(one, WEIGHT, SETTINGS) for run, one in cut.items()}
+    information = prior(whole.shoe, cut, WEIGHT, SETTINGS)
+    return moved_zeros(rows, information, WEIGHT, HEIGHT, SETTINGS)
+
+
+def tared(whole: Recording, at: dict[int, float]) -> Recording:
+    """Zeroed while the robot stood as it did at a share of a run, by run."""
+    return whole.with_readings(
+        lambda run, values: (
+            values - values[int(at[run] * (len(values) - 1))] if run in at else values
+        )
+    )
+
+
+@pytest.mark.parametrize("count", [2, 3, 5])
+def test_zeros_that_stay(count: int) -> None:
+    assert found(recording(count=count)) is None
+
+
+@pytest.mark.parametrize("newtons", [-8.0, 5.0, 15.0])
+def test_a_load_in_one_run_is_none(newtons: float) -> None:
+    assert found(carrying(recording(count=4), 2, newtons)) is None
+
+
+@pytest.mark.parametrize("runs", [(2,), (1, 3), (2, 3, 4)])
+def test_a_tare_under_load_before_some_runs(runs: tuple[int, ...]) -> None:
+    moved = found(tared(recording(count=4), dict.fromkeys(runs, 0.0)))
+    assert moved is not None
+    assert moved.less == runs
+    assert moved.reference == tuple(run for run in range(1, 5) if run not in runs)
+    (finding,) = of_zeros(moved, WEIGHT)
+    assert finding.verdict == "FAIL"
+    assert f"{WEIGHT:.1f} N less than" in finding.reason
+    assert "zeroed (tare) under load" in finding.reason
+
+
+def test_a_tare_in_another_posture_before_each_run() -> None:
+    """The sums agree, and each channel's zero is another one."""
+    whole = recording(count=3)
+    extreme = {
+        run: float(np.argmax(one.states.cop[:, 0] @ direction)) / (len(one.time) - 1)
+        for (run, one), direction in zip(
+            whole.aligned.items(), ([1.0, 0.0], [-1.0, 1.0], [0.0, -1.0]), strict=True
+        )
+    }
+    moved = found(tared(whole, extreme))
+    assert moved is not None
+    assert moved.less == ()
+    assert moved.cop
+    (finding,) = of_zeros(moved, WEIGHT)
+    assert "at the same weight" in finding.reason
+
+
+def test_a_tare_once_before_all_runs_does_no_harm() -> None:
+    whole = recording(count=3)
+    first = whole.aligned[1].readings[0]
+    assert found(whole.with_readings(lambda _, values: values - first)) is None
