@@ -42,6 +42,7 @@ def planning(path: Path) -> PlannerSettings:
         (planning, SHOE, r"is a shoe file, by its keys; name a parameter file of nodes here"),
         (load_shoe, ROBOT, "is a robot file"),
         (load_calibration, ROBOT, "is a robot file"),
+        (read_urdf, ROBOT, "is a robot file, by its keys; name a URDF here"),
         (load_calibration, SHOE, "is a shoe file"),
         (lambda path: load_bag_mapping(path, ROOT), TABLES, "is a mapping of tables"),
         (lambda path: load_mapping(path, ROOT), ROBOT, "is a robot file"),
