@@ -14,7 +14,7 @@ from shoecal_core.cli.plan_folder import PlanFolder
 from shoecal_core.cli.planning_arguments import add_planning, chosen_supports, planner_settings
 from shoecal_core.cli.progress import shown_progress
 from shoecal_core.cli.weak_lines import weak_lines
-from shoecal_core.errors import PartialError, ShoecalError
+from shoecal_core.errors import FileTakenError, PartialError, ShoecalError
 from shoecal_core.files import atomic_write
 from shoecal_core.planning.checking.check import check_motion
 from shoecal_core.planning.motion import Motion
@@ -52,10 +52,12 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     shoe = load_shoe(file)
     robot = load_robot(args.robot, shoe)
     console.print(f"{args.robot} with {file}", markup=False, soft_wrap=True)
-    earlier = PlanFolder(args.out)
+    if args.out.exists() and not args.out.is_dir():
+        raise FileTakenError(args.out, "is a file; name a folder")
     with shown_progress() as progress:
         supports = chosen_supports(args, robot, shoe, settings, progress)
         planner = Planner(robot, settings)
+        earlier = PlanFolder(args.out)
         plan = _Plan(args, console)
         for index, support in enumerate(supports):
             progress(f"planning {index + 1} of {len(supports)}", index / len(supports))
