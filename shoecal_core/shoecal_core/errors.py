@@ -102,6 +102,13 @@ class VersionError(FileError):
         )
 
 
+def instead(name: str, available: Sequence[str]) -> str:
+    """What a name that does not exist may have been meant for, and what there is."""
+    near = get_close_matches(name, available, n=1)
+    hint = f"did you mean '{near[0]}'? " if near else ""
+    return f"{hint}there are: {', '.join(available) or 'none'}"
+
+
 class NameNotFoundError(ShoecalError):
     """A name that does not exist among the ones that do.
 
@@ -114,10 +121,7 @@ class NameNotFoundError(ShoecalError):
         self.kind = kind
         self.name = name
         self.available = tuple(available)
-        listed = ", ".join(self.available) if self.available else "none"
-        near = get_close_matches(name, self.available, n=1)
-        hint = f"perhaps '{near[0]}'; " if near else ""
-        super().__init__(f"no {kind} named '{name}' ({hint}there are: {listed})")
+        super().__init__(f"no {kind} named '{name}' ({instead(name, self.available)})")
 
 
 class ShapeError(ShoecalError):

@@ -6,9 +6,10 @@ import re
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 
+ROBOT_FILE, SHOE_FILE = "a robot file", "a shoe file"
 KINDS: Mapping[str, frozenset[str]] = {
-    "a robot file": frozenset(("legs", "posture_rad", "support_range", "weight")),
-    "a shoe file": frozenset(("height_m", "converter", "unit")),
+    ROBOT_FILE: frozenset(("legs", "posture_rad", "support_range", "weight")),
+    SHOE_FILE: frozenset(("height_m", "converter", "unit")),
     "a calibration": frozenset(("channels", "verdict", "made_ns", "robot_hash")),
     "a mapping of tables": frozenset(("tables", "trials")),
     "a mapping of bags": frozenset(("joints", "trials")),
@@ -18,9 +19,13 @@ KINDS: Mapping[str, frozenset[str]] = {
 }
 """By the keys that a whole file of a kind has, and those of other kinds have not all of."""
 
+NODES = "a parameter file of nodes"
+"""Its keys are names of nodes."""
 XACRO = "is xacro: make a URDF of it (xacro FILE > robot.urdf)"
 DECIMAL_POINT = "write a decimal point, not a comma"
 """What is said of files that are xacro, and of numbers with a comma."""
+_TABLE = re.compile(r"[^\n:{\[]+[,;\t][^\n:{\[]*\n[-+.\d][^\n:{\[]*[,;\t]")
+"""A line of names, then one of numbers."""
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 
 
@@ -29,7 +34,15 @@ def kind_of(keys: Sequence[str], known: Sequence[str]) -> str:
     for kind, own in KINDS.items():
         if own <= set(keys) and not own <= set(known):
             return kind
-    return ""
+    return NODES if keys and all(key.startswith("/") for key in keys) else ""
+
+
+def wanted(known: Sequence[str]) -> str:
+    """What to name instead of a file of another kind, by the keys that are known here."""
+    for kind, own in KINDS.items():
+        if own <= set(known):
+            return f"name {kind} here"
+    return "name the one that belongs here"
 
 
 def meant(given: str, known: Sequence[str]) -> str:
@@ -48,6 +61,8 @@ def not_yaml(content: bytes) -> str:
         return "is empty"
     if is_xacro(text):
         return XACRO
+    if _TABLE.match(text):
+        return "is a table (CSV), no YAML file; name the file of keys and values that belongs here"
     if "<robot" in text:
         return "is a URDF; draft a robot file from it with `shoecal new robot`"
     return ""

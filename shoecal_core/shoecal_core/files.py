@@ -35,7 +35,7 @@ from shoecal_core.errors import (
     FileUnwritableError,
     VersionError,
 )
-from shoecal_core.file_kinds import DECIMAL_POINT, kind_of, meant, not_yaml
+from shoecal_core.file_kinds import DECIMAL_POINT, NODES, kind_of, meant, not_yaml, wanted
 
 MAX_BYTES = 512 * 2**20
 """Larger files are refused before they are read into memory."""
@@ -227,6 +227,14 @@ def read_yaml(path: Path) -> Fields:
     return Fields(Path(path), "", value)
 
 
+def file_kind(path: Path) -> str:
+    """The kind of a YAML file by its keys; empty where it has none, or cannot be read."""
+    try:
+        return kind_of(read_yaml(path).keys(), ())
+    except FileError:
+        return ""
+
+
 def write_yaml(path: Path, value: Mapping[str, object]) -> None:
     """Write a mapping as YAML, atomically, keys in the order given."""
     atomic_write(path, yaml_text(value))
@@ -265,13 +273,13 @@ class Fields:
             if key in known:
                 continue
             if not self.prefix and (kind := kind_of(self.keys(), known)):
-                raise FieldError(
-                    self.path, f"is {kind}, by its keys; name the one that belongs here"
-                )
+                raise FieldError(self.path, f"is {kind}, by its keys; {wanted(known)}")
             raise self.error(key, f"unknown key; {meant(key, known)}")
 
     def format(self, known: int) -> int:
         """Check the file's version."""
+        if "format" not in self and kind_of(self.keys(), ()) == NODES:
+            raise FieldError(self.path, f"is {NODES}, by its keys; {wanted(())}")
         version = self.integer("format")
         if version > known:
             raise VersionError(self.path, version, known)

@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
+from shoecal_core.errors import FieldError
+from shoecal_core.file_kinds import NODES, kind_of
 from shoecal_core.files import Fields, read_yaml
 from shoecal_core.settings import SettingError, Settings, from_values
 
@@ -60,6 +62,9 @@ def read_sections(path: Path) -> list[ParameterSection]:
         FileError: names the file, the key and the cure.
     """
     fields = read_yaml(path)
+    if (kind := kind_of(fields.keys(), ())) not in {"", NODES}:
+        form = f"/**/NODE: {{{PARAMETERS}: …}}"
+        raise FieldError(path, f"is {kind}, by its keys; name {NODES} here ({form})")
     return [section for key in fields.keys() for section in _sections(fields, key, key)]
 
 

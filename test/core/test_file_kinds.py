@@ -11,26 +11,38 @@ from core.shoe.shoes import FILES, ROOT
 from shoecal_core.errors import FileError
 from shoecal_core.estimation.calibration import load_calibration
 from shoecal_core.files import Fields, read_yaml
+from shoecal_core.parameter_file import load_settings
+from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.recording.bag_mapping import load_bag_mapping
 from shoecal_core.recording.container import read_container
 from shoecal_core.recording.csv_mapping import load_mapping
 from shoecal_core.recording.recover import recover
 from shoecal_core.recording.session import Session
-from shoecal_core.robot.robot_file import load_robot
+from shoecal_core.robot.robot_file import load_robot, shoe_file_of
 from shoecal_core.robot.urdf import read_urdf
 from shoecal_core.shoe.shoe import load_shoe
 
 ROBOT = ROOT / "config/robots/nao.yaml"
 SHOE = FILES["nao_shoe"]
+PLANNER = ROOT / "config/nodes/planner.yaml"
 TABLES = ROOT / "config/imports/reemc.yaml"
+
+
+def planning(path: Path) -> PlannerSettings:
+    """Settings of a parameter file."""
+    return load_settings(PlannerSettings, path, "planner", "planning")
 
 
 @pytest.mark.parametrize(
     ("read", "file", "kind"),
     [
-        (load_robot, SHOE, "is a shoe file"),
+        (load_robot, SHOE, "is a shoe file, by its keys; name a robot file here"),
+        (load_robot, PLANNER, "is a parameter file of nodes, by its keys; name the"),
+        (shoe_file_of, SHOE, "is a shoe file, by its keys; name a robot file here"),
+        (planning, SHOE, r"is a shoe file, by its keys; name a parameter file of nodes here"),
         (load_shoe, ROBOT, "is a robot file"),
         (load_calibration, ROBOT, "is a robot file"),
+        (read_urdf, ROBOT, "is a robot file, by its keys; name a URDF here"),
         (load_calibration, SHOE, "is a shoe file"),
         (lambda path: load_bag_mapping(path, ROOT), TABLES, "is a mapping of tables"),
         (lambda path: load_mapping(path, ROOT), ROBOT, "is a robot file"),
@@ -52,7 +64,8 @@ def test_a_file_of_another_kind_is_named(read, file: Path, kind: str) -> None:  
         ('<robot xmlns:xacro="x"/><!-- of <xacro:leg> -->', "is a URDF; draft a robot file"),
         ("a:\n\tb: 1", "line 2 (found character '\\t' that cannot start any token); indent with"),
         ("a: [1", "correct it there"),
-        ("time,left,right\n1,2,3", "expected a mapping of keys to values"),
+        ("time,left,right\n1,2,3", "is a table (CSV), no YAML file; name the file of keys and"),
+        ("just a text", "expected a mapping of keys to values"),
     ],
 )
 def test_what_is_no_yaml(content: str, told: str, tmp_path: Path) -> None:
@@ -131,3 +144,39 @@ def test_xacro_far_down_is_named_too(tmp_path: Path) -> None:
     file.write_text(f'<robot name="a">{links}<joint name="${{side}}_knee"/></robot>')
     with pytest.raises(FileError, match="is xacro: make a URDF of it"):
         read_urdf(file)
+
+
+def test_a_urdf_that_is_elsewhere(tmp_path: Path) -> None:
+    robot = tmp_path / "robots" / "nao.yaml"
+    robot.parent.mkdir()
+    robot.write_text(ROBOT.read_text().replace("urdf: nao.urdf", "urdf: ../nao.urdf"))
+    where = tmp_path / "nao.urdf"
+    with pytest.raises(FileError, match=rf"nao\.yaml: urdf: there is no URDF at {where}; give its"):
+        load_robot(robot)
+    robot.with_suffix(".urdf").touch()
+    with pytest.raises(FileError, match=r"did you mean 'nao\.urdf'\? give its path as seen from"):
+        load_robot(robot)
+
+
+def test_a_posture_in_degrees(tmp_path: Path) -> None:
+    robot = tmp_path / "nao.yaml"
+    robot.with_suffix(".urdf").write_bytes(ROBOT.with_suffix(".urdf").read_bytes())
+    robot.write_text(ROBOT.read_text().replace("LKneePitch: 0.80", "LKneePitch: 46"))
+    with pytest.raises(
+        FileError, match=r"posture_rad\.LKneePitch: .*; give rad, not deg.*: 0\.803"
+    ):
+        load_robot(robot)
+    robot.write_text(ROBOT.read_text().replace("LKneePitch: 0.80", "LKneePitch: 2.5"))
+    with pytest.raises(FileError, match=r"posture_rad\.LKneePitch: .* to 2\.11255 rad$"):
+        load_robot(robot)
+
+
+def test_a_folder_that_holds_sessions(tmp_path: Path) -> None:
+    for name in ("a", "b"):
+        made = tmp_path / name
+        Session.create(made, ROBOT, ROBOT.with_suffix(".urdf"), SHOE)
+        held = "name the one that it holds: .*a$" if name == "a" else "one that it holds: .*a, .*b$"
+        with pytest.raises(
+            FileError, match=rf"is no session \(it has no session\.yaml\); .*{held}"
+        ):
+            Session.open(tmp_path)

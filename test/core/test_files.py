@@ -463,7 +463,7 @@ def test_a_text_of_anybody_becomes_one_line_of_bounded_length() -> None:
 def test_messages_tell_what_was_expected_and_what_there_is() -> None:
     texts = list(map(str, ERRORS))
     assert texts[1] == "robot.yaml: weight.mass_kg: is missing; add it"
-    assert texts[4] == "no joint named 'Knee' (perhaps 'RKnee'; there are: LKnee, RKnee)"
+    assert texts[4] == "no joint named 'Knee' (did you mean 'RKnee'? there are: LKnee, RKnee)"
     assert texts[5] == "no joint named 'Knee' (there are: none)"
     assert texts[6] == "readings: expected shape (T, 8), got (3, 4)"
 

@@ -193,7 +193,7 @@ BAD = {
     "a viewer that is not installed": (
         {"viewer": "rviz"}, "viewer:=rviz needs the package rviz2; sudo apt install",
     ),
-    "an unknown adapter": ({"adapter": "naoqy"}, "perhaps 'naoqi'"),
+    "an unknown adapter": ({"adapter": "naoqy"}, "did you mean 'naoqi'?"),
     "no folder of parameters": ({"params": "/nowhere"}, "/nowhere/model.yaml"),
     "no robot": ({"robot": "/nowhere.yaml"}, "robot:=/nowhere.yaml: no such file"),
     "neither true nor false": ({"use_sim_time": "maybe"}, "must be true or false"),

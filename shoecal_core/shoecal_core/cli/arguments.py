@@ -6,8 +6,9 @@ import argparse
 from pathlib import Path
 from typing import TypeVar
 
-from shoecal_core.errors import FileMissingError, FileTakenError
-from shoecal_core.file_kinds import DECIMAL_POINT
+from shoecal_core.errors import FileMissingError, FileTakenError, ShoecalError
+from shoecal_core.file_kinds import DECIMAL_POINT, ROBOT_FILE, SHOE_FILE
+from shoecal_core.files import file_kind
 from shoecal_core.parameter_file import load_settings
 from shoecal_core.robot.robot_file import shoe_file_of
 from shoecal_core.settings import Settings
@@ -145,6 +146,13 @@ def add_shoe(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="shoe file (default: ROBOT_shoe.yaml in ../shoes or next to ROBOT.yaml)",
     )
+
+
+def refuse_exchanged(robot: Path, shoe: Path) -> None:
+    """Refuse a shoe file in place of the robot file, and the robot file in place of the shoe's."""
+    given = [file_kind(path) for path in (robot, shoe)]
+    if given == [SHOE_FILE, ROBOT_FILE]:
+        raise ShoecalError(f"{robot} is the shoe file and {shoe} the robot file: exchange the two")
 
 
 def shoe_file(args: argparse.Namespace, robot: Path) -> Path:

@@ -20,7 +20,7 @@ from shoecal_core.cli.arguments import (
 )
 from shoecal_core.cli.assessment_table import expected_table, trust_lines
 from shoecal_core.cli.screening_table import screening_table
-from shoecal_core.cli.tables import errors_table, new_table, stages_rows
+from shoecal_core.cli.tables import errors_table, new_table, print_table, stages_rows
 from shoecal_core.cli.usable import require_usable
 from shoecal_core.cli.zeros_table import weight_json, weight_line, zeros_table
 from shoecal_core.error_sources.tolerances import Tolerances
@@ -77,10 +77,10 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         manual=manual, weight_kg=args.weight_kg, rezero=args.rezero,
     )  # fmt: skip
     console.print(weight_line(outcome.data.weighed, outcome.data.robot), soft_wrap=True)
-    console.print(errors_table(_against(outcome), stages_rows(outcome.modelled)))
+    print_table(console, errors_table(_against(outcome), stages_rows(outcome.modelled)))
     _print_channels(outcome, console)
     if zeros := outcome.zeros:
-        console.print(zeros_table(zeros))
+        print_table(console, zeros_table(zeros))
     _print_deviations(outcome, console)
     _print_trust(outcome, console)
     calibration = outcome.calibration
@@ -178,12 +178,12 @@ def _print_deviations(outcome: CalibrationOutcome, console: Console) -> None:
 
 def _print_trust(outcome: CalibrationOutcome, console: Console) -> None:
     console.print()
-    console.print(expected_table(outcome.assessment))
+    print_table(console, expected_table(outcome.assessment))
     for line in trust_lines(outcome.assessment, outcome.screening):
         console.print(f"  {line}", markup=False)
     if outcome.screening.left_out and outcome.screening.findings:
         console.print()
-        console.print(screening_table(outcome.screening))
+        print_table(console, screening_table(outcome.screening))
 
 
 def _print_channels(outcome: CalibrationOutcome, console: Console) -> None:
@@ -202,6 +202,6 @@ def _print_channels(outcome: CalibrationOutcome, console: Console) -> None:
             uncertain(parameters.gain[index], half[index], gain_unit),
             uncertain(parameters.offset[index], half[count + index], unit),
         )
-    console.print(table)
+    print_table(console, table)
     late = uncertain(1e3 * calibration.time_offset, 1e3 * half[-1], "ms")
     console.print(f"  time offset (joints after readings) {late}")

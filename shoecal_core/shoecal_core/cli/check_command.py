@@ -19,7 +19,7 @@ from shoecal_core.cli.arguments import (
 )
 from shoecal_core.cli.assessment_table import expected_table
 from shoecal_core.cli.screening_table import screening_table
-from shoecal_core.cli.tables import new_table, verdict_line
+from shoecal_core.cli.tables import TEXT, new_table, print_table, verdict_line
 from shoecal_core.cli.zeros_table import weight_json, weight_line, zeros_table
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import PartialError
@@ -52,14 +52,15 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     checked = check_session(session, settings, tolerances, weight_kg=args.weight_kg)
     data, screening, outcome = checked.data, checked.data.screening, checked.outcome
     entries = [entry for entry in session.runs if entry.run in data.runs]
-    console.print(_table(session, entries, data.runs))
+    if entries:
+        print_table(console, _table(session, entries, data.runs))
     console.print(weight_line(data.weighed, data.robot), soft_wrap=True)
     if checked.zeros:
-        console.print(zeros_table(checked.zeros))
+        print_table(console, zeros_table(checked.zeros))
     if outcome is not None:
-        console.print(expected_table(outcome.assessment))
+        print_table(console, expected_table(outcome.assessment))
     if screening.left_out:
-        console.print(screening_table(screening))
+        print_table(console, screening_table(screening))
     for verdict, lines in (("FAIL", checked.problems), ("WARN", checked.warnings)):
         for line in lines:
             console.print(verdict_line(verdict, line), soft_wrap=True)
@@ -94,7 +95,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
 def _table(session: Session, entries: Sequence[RunEntry], runs: Mapping[int, Run]) -> Table:
     table = new_table(f"{session.robot} on {session.shoe_name}")
     for name in ("run", "set", "motion", "dx dy dtheta", "s", "joints Hz", "readings Hz", "notes"):
-        table.add_column(name)
+        table.add_column(name, overflow=TEXT if name == "notes" else "ellipsis")
     for entry in entries:
         table.add_row(*_cells(entry, runs[entry.run]))
     return table

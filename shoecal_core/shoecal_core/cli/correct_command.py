@@ -16,7 +16,7 @@ from shoecal_core.cli.arguments import (
     settings_of,
 )
 from shoecal_core.cli.progress import shown_progress
-from shoecal_core.cli.tables import new_table
+from shoecal_core.cli.tables import new_table, print_table
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import FileTakenError, ShoecalError
 from shoecal_core.files import atomic_write, make_folder
@@ -72,7 +72,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
                 "--train, --test and --settings are of a fit; leave them out with --diagnosis"
             )
         corrected, found = correct_by_diagnosis(session, args.diagnosis, args.mjcf)
-        console.print(_table("By the diagnosis", corrected.found))
+        print_table(console, _table("By the diagnosis", corrected.found))
         before, after = found.cop_mae_mm
         compared = f"{before:.2f} mm before, {after:.2f} mm after, on test runs of the diagnosis"
         console.print(f"CoP against the model: {compared}", markup=False, soft_wrap=True)
@@ -90,7 +90,9 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
             "nothing written: no joint zero and no mass is more than "
             f"{SIGNIFICANT:g} standard deviations from the robot's files"
         )
-    console.print(_table(f"More than {SIGNIFICANT:g} standard deviations from the files", certain))
+    print_table(
+        console, _table(f"More than {SIGNIFICANT:g} standard deviations from the files", certain)
+    )
     before, after = (1e3 * errors.cop.mean for errors in (robot.before, robot.after))
     compared = f"{before:.2f} mm before, {after:.2f} mm after, on runs that were not fitted"
     console.print(f"CoP against the model: {compared}", markup=False, soft_wrap=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -19,13 +20,15 @@ from shoecal_core.cli.arguments import (
 )
 from shoecal_core.cli.diagnosis_table import print_diagnosis, sessions_table
 from shoecal_core.cli.progress import shown_progress
+from shoecal_core.cli.tables import print_table
 from shoecal_core.cli.zeros_table import zeros_table
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import PartialError, ShoecalError
+from shoecal_core.files import atomic_write
 from shoecal_core.recording.errors import SessionError
 from shoecal_core.screening.settings import CalibrationSettings
-from shoecal_core.workflows.diagnose import Diagnosed, DiagnosisRequest, attempt, do
+from shoecal_core.workflows.diagnose import Diagnosed, DiagnosisRequest, attempt, do, lost
 from shoecal_core.workflows.many_jobs import over_cluster, over_cores
 
 SIGNALS = ("closure", "parity", "tilt", "air")
@@ -88,14 +91,14 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     """Diagnose one session, or many at once."""
     for path in filter(None, (args.report, args.json)):
         require_folder(path)
-    jobs = _jobs_of(args)
+    jobs = requests(args)
     if len(jobs) == 1 and args.scheduler is None:
         with shown_progress() as progress:
             found = do(jobs[0], progress)
         assert found.diagnosis is not None
         print_diagnosis(found.diagnosis, found.calibrated, console)
         if found.zeros:
-            console.print(zeros_table(found.zeros))
+            print_table(console, zeros_table(found.zeros))
         return found.to_json()
     return _many(jobs, args, console)
 
@@ -117,8 +120,13 @@ def _jobs(text: str) -> int:
     return int(text)
 
 
-def _jobs_of(args: argparse.Namespace) -> list[DiagnosisRequest]:
+def requests(args: argparse.Namespace) -> list[DiagnosisRequest]:
+    """A request a session; for workers elsewhere with whole paths."""
     several = len(args.sessions) > 1
+    if args.scheduler:
+        for name in ("calibration", "effects_from", "report"):
+            if (path := getattr(args, name)) is not None:
+                setattr(args, name, path.absolute())
     settings = settings_of(DiagnosisSettings, args.settings, "diagnosis")
     tolerances = settings_of(Tolerances, args.settings, "tolerances")
     screening = settings_of(CalibrationSettings, args.settings, "calibration")
@@ -166,18 +174,30 @@ def _many(
     with shown_progress() as progress:
         progress(f"diagnosing {len(jobs)} sessions", 0.0)
         coming = (
-            over_cores(attempt, jobs, args.jobs)
+            over_cores(attempt, jobs, args.jobs, lost=lost)
             if args.scheduler is None
-            else over_cluster(attempt, jobs, args.scheduler)
+            else over_cluster(attempt, jobs, args.scheduler, lost=lost)
         )
         for number, found in coming:
             results[number] = found
             progress(f"{found.session}", len(results) / len(jobs))
+            if args.json is not None:  # what is done stays, whatever becomes of the others
+                figures = _figures(results, jobs)
+                atomic_write(args.json, json.dumps(figures, indent=1, allow_nan=False) + "\n")
     ordered = [results[number] for number in range(len(jobs))]
-    console.print(sessions_table(ordered))
-    figures = {"format": 1, "sessions": [one.to_json() for one in ordered]}
+    print_table(console, sessions_table(ordered))
+    figures = _figures(results, jobs)
     failed = [one for one in ordered if one.diagnosis is None]
     if failed:
         errors = "; ".join(one.error for one in failed)
         raise PartialError(f"{len(failed)} of {len(jobs)} sessions failed: {errors}", figures)
     return figures
+
+
+def _figures(
+    results: Mapping[int, Diagnosed], jobs: Sequence[DiagnosisRequest]
+) -> dict[str, object]:
+    """Sessions that are done, in the order in which they were named, and those that are not yet."""
+    done = [results[number].to_json() for number in sorted(results)]
+    waiting = [str(job.session) for number, job in enumerate(jobs) if number not in results]
+    return {"format": 1, "sessions": done, **({"waiting": waiting} if waiting else {})}

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from rich.console import Console
 from rich.table import Table
 
-from shoecal_core.cli.tables import new_table
+from shoecal_core.cli.tables import TEXT, new_table, print_table
 from shoecal_core.diagnosis.budget import LEAST_SHARE
 from shoecal_core.diagnosis.result import VERDICT_TEXTS, Diagnosis, Size
 from shoecal_core.report.diagnosis_words import finding_text
@@ -39,7 +39,7 @@ def print_diagnosis(
         console.print(f"  {line}", markup=False)
     if diagnosis.causes:
         console.print()
-        console.print(causes_table(diagnosis))
+        print_table(console, causes_table(diagnosis))
     if len(diagnosis.ambiguity) > 1:
         alike = "; ".join(f"{one.label} {one.probability:.0%}" for one in diagnosis.ambiguity)
         console.print(f"not separable: {alike}", markup=False, soft_wrap=True)
@@ -82,7 +82,8 @@ def sessions_table(found: Sequence[Diagnosed]) -> Table:
     """A line a session."""
     table = new_table("Sessions")
     for name in ("session", "verdict", "first cause", "gap shrinks by"):
-        table.add_column(name)
+        text = name in {"session", "first cause"}
+        table.add_column(name, overflow=TEXT if text else "ellipsis")
     for one in found:
         diagnosis = one.diagnosis
         if diagnosis is None:

@@ -18,6 +18,7 @@ from shoecal_core.cli.arguments import add_force, add_rezero, add_sets, add_weig
 from shoecal_core.cli.tables import (
     errors_table,
     left_out_lines,
+    print_table,
     stages_rows,
     verdict_line,
 )
@@ -138,7 +139,7 @@ def _print_verdicts(evaluated: Sequence[Evaluated], console: Console) -> None:
     for one in evaluated:
         console.print(weight_line(one.weighed, one.robot), soft_wrap=True)
         if one.zeros:
-            console.print(zeros_table(one.zeros))
+            print_table(console, zeros_table(one.zeros))
         for reason in one.verdict.reasons:
             level, text = split_reason(reason, one.verdict.verdict)
             console.print(verdict_line(level, text), soft_wrap=True)
@@ -207,19 +208,19 @@ def _print(runs: Sequence[ComparedRun], console: Console) -> None:
         f"against {NAMES[reference]}": errors_by_set(runs, MEASURED, reference)
         for reference in _references(runs, MEASURED)
     }
-    console.print(errors_table("Calibration", stages_rows(sets)))
+    print_table(console, errors_table("Calibration", stages_rows(sets)))
     others = {
         f"{NAMES[source]} against {NAMES[reference]}": errors_by_set(runs, source, reference)
         for source in (MODELLED, REFERENCE)
         for reference in _references(runs, source)
     }
     if others:
-        console.print(errors_table("For comparison", stages_rows(others)))
+        print_table(console, errors_table("For comparison", stages_rows(others)))
     several = len({one.session for one in runs}) > 1
     rows: list[tuple[str, Errors]] = []
     for one in runs:
         where = f"{Path(one.session).name}, " if several else ""
         rows.append((f"{where}run {one.run}, {one.set}", errors_of([one], MEASURED, best)))
-    console.print(errors_table(f"Calibration against {NAMES[best]}, run by run", rows))
+    print_table(console, errors_table(f"Calibration against {NAMES[best]}, run by run", rows))
     for line in left_out_lines(rows, feet=best != MODELLED):
         console.print(line, markup=False)

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping, Sequence
-from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from shoecal_core.cli.tables import LEVELS, new_table
-from shoecal_core.estimation.history import HistoryEntry, load_history
+from shoecal_core.cli.arguments import require_folder
+from shoecal_core.cli.tables import LEVELS, new_table, print_table
+from shoecal_core.estimation.history import HistoryEntry, load_history, made_text
 from shoecal_core.shoe.shoe import FEET
 
 
@@ -30,8 +30,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     """Compare each with the oldest."""
+    if args.report is not None:
+        require_folder(args.report)
     history = load_history(args.calibrations)
-    console.print(_table(history))
+    print_table(console, _table(history))
     if args.report is not None:
         # Loaded where a report is asked for: the table alone is quick.
         from shoecal_core.report.history_report import history_report  # noqa: PLC0415
@@ -58,7 +60,7 @@ def _table(history: Sequence[HistoryEntry]) -> Table:
         zero = int(force[np.argmax(np.abs(entry.offset_change[force]))]) if len(force) else gain
         mark = ("*" if entry.gain_beyond[gain] else "", "*" if entry.offset_beyond[zero] else "")
         table.add_row(
-            datetime.fromtimestamp(one.made_ns // 10**9, UTC).strftime("%Y-%m-%d %H:%M"),
+            made_text(one),
             one.id,
             f"[{LEVELS[one.verdict]}]{one.verdict}[/]",
             f"{entry.gain_change[gain]:+.1f} %{mark[0]} ({one.channels[gain]})",

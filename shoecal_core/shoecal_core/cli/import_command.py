@@ -9,12 +9,13 @@ from pathlib import Path
 from rich.console import Console
 
 from shoecal_core.cli.arguments import add_json, add_shoe, require_folder, shoe_file
-from shoecal_core.errors import FileMissingError, FileTakenError
+from shoecal_core.errors import FileMissingError, FileTakenError, FileUnreadableError
 from shoecal_core.files import atomic_write
 from shoecal_core.recording.bag_draft import draft_mapping, mapping_text
 from shoecal_core.recording.bag_import import import_bags
 from shoecal_core.recording.csv_import import import_csv
-from shoecal_core.recording.session import Session
+from shoecal_core.recording.errors import RecordingError
+from shoecal_core.recording.session import Session, require_free
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.shoe.shoe import load_shoe
 
@@ -53,6 +54,12 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     if not args.mapping.exists():
         made = "write one" if args.kind == CSV else "`shoecal import draft` makes one"
         raise FileMissingError(args.mapping, f"does not exist; {made}")
+    if args.mapping.is_dir() and args.folder.is_file():
+        raise FileUnreadableError(
+            args.mapping, f"is a folder, and {args.folder} a file: name the mapping first, then "
+            "the folder of the recordings",
+        )  # fmt: skip
+    require_free(args.out)
     make = import_csv if args.kind == CSV else import_bags
     session = make(args.mapping, args.folder, args.out)
     return _report(session, args.out, console)
@@ -80,7 +87,16 @@ def _draft(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     require_folder(args.out)
     shoe = load_shoe(shoe_file(args, args.robot))
     robot = load_robot(args.robot, shoe)
-    draft = draft_mapping(args.bags, robot, shoe)
+    try:
+        draft = draft_mapping(args.bags, robot, shoe)
+    except RecordingError as error:
+        if args.shoe is None or f"'{shoe.name}'" not in error.problem:
+            raise
+        raise RecordingError(
+            error.path,
+            f"{args.shoe} seems to be another robot's shoe: name the one that was recorded "
+            f"(--shoe). The recording {error.problem}",
+        ) from error
     text = mapping_text(draft, args.out.absolute().parent, args.robot, robot.urdf, shoe.path)
     atomic_write(args.out, text)
     console.print(f"{args.out}: drafted; check it:", markup=False, soft_wrap=True)

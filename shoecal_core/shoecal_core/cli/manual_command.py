@@ -28,6 +28,7 @@ from shoecal_core.cli.manual_tables import (
     manual_table,
     manual_to_json,
 )
+from shoecal_core.cli.tables import print_table
 from shoecal_core.cli.usable import require_usable
 from shoecal_core.errors import FileMissingError, ShoecalError
 from shoecal_core.estimation.calibration import Calibration, load_calibration, save_calibration
@@ -250,7 +251,7 @@ def _simulate(args: argparse.Namespace, bench: _Bench, console: Console) -> Mapp
 
 def _solve_cells(bench: _Bench, cells: Measurements, console: Console) -> CellsCalibration:
     result = calibrate_cells(bench.shoe, bench.robot, cells)
-    console.print(cells_table(result, bench.shoe.unit))
+    print_table(console, cells_table(result, bench.shoe.unit))
     return result
 
 
@@ -262,7 +263,7 @@ def _solve_shoe(
     console: Console,
 ) -> ManualCalibration:
     result = calibrate_shoe(bench.shoe, bench.robot, first, loads, fits=fits, planned=bench.planned)
-    console.print(manual_table(result))
+    print_table(console, manual_table(result))
     return result
 
 

@@ -46,6 +46,7 @@ WIDEST = 100
 
 _CHOICE = re.compile(r"invalid choice: '(?P<given>[^']*)' \(choose from (?P<known>.*)\)$")
 _CHOICES = re.compile(r" \(choose from .*\)$")
+_COUNT = re.compile(r"argument (?:[^ ]*/)?(?P<option>-[^ :]*): expected \d+ arguments$")
 _UNKNOWN = re.compile(r"unrecognized arguments: (?P<given>.*)$")
 
 
@@ -67,8 +68,17 @@ class Parser(argparse.ArgumentParser):
         guess = self._guess(message)
         # Who mistyped one name need not read all others.
         text = f"{_CHOICES.sub('', message) if guess else message}{guess}"
+        text += self._names(message)
         see = " See" if text.endswith("?") else "; see"
         self.exit(2, f"{self.prog}: {text}{see} {self.prog} --help\n")
+
+    def _names(self, message: str) -> str:
+        """`: NAME NAME …`, what an option with several values expects."""
+        if found := _COUNT.match(message):
+            for action in self._actions:
+                if found["option"] in action.option_strings and isinstance(action.metavar, tuple):
+                    return f": {' '.join(action.metavar)}"
+        return ""
 
     def _guess(self, message: str) -> str:
         if found := _CHOICE.search(message):
@@ -143,7 +153,9 @@ class _Help(argparse.RawDescriptionHelpFormatter):
 
     def _get_help_string(self, action: argparse.Action) -> str | None:
         text = action.help
-        silent = action.default in (None, argparse.SUPPRESS) or isinstance(action.default, bool)
+        silent = action.default in (None, argparse.SUPPRESS, (), []) or isinstance(
+            action.default, bool
+        )
         if text is None or silent or not action.option_strings or "default" in text:
             return text
         return f"{text} (default: %(default)s)"

@@ -9,12 +9,12 @@ from pathlib import Path
 
 from rich.console import Console
 
-from shoecal_core.cli.arguments import add_shoe, shoe_file
+from shoecal_core.cli.arguments import add_shoe, refuse_exchanged, shoe_file
 from shoecal_core.cli.plan_folder import PlanFolder
 from shoecal_core.cli.planning_arguments import add_planning, chosen_supports, planner_settings
 from shoecal_core.cli.progress import shown_progress
 from shoecal_core.cli.weak_lines import weak_lines
-from shoecal_core.errors import PartialError, ShoecalError
+from shoecal_core.errors import FileTakenError, PartialError, ShoecalError
 from shoecal_core.files import atomic_write
 from shoecal_core.planning.checking.check import check_motion
 from shoecal_core.planning.motion import Motion
@@ -46,10 +46,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     """Plan each motion, check it by an independent computation, write and draw it."""
     settings = planner_settings(args)
+    if args.shoe is not None:
+        refuse_exchanged(args.robot, args.shoe)
     file = shoe_file(args, args.robot)
     shoe = load_shoe(file)
     robot = load_robot(args.robot, shoe)
     console.print(f"{args.robot} with {file}", markup=False, soft_wrap=True)
+    if args.out.exists() and not args.out.is_dir():
+        raise FileTakenError(args.out, "is a file; name a folder")
     with shown_progress() as progress:
         supports = chosen_supports(args, robot, shoe, settings, progress)
         planner = Planner(robot, settings)

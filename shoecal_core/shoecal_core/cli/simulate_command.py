@@ -9,7 +9,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from shoecal_core.cli.arguments import rate_hz, seed_number
+from shoecal_core.cli.arguments import rate_hz, refuse_exchanged, seed_number
 from shoecal_core.cli.planning_arguments import (
     STANDARD_SET,
     add_planning,
@@ -19,11 +19,13 @@ from shoecal_core.cli.planning_arguments import (
 )
 from shoecal_core.cli.progress import shown_progress
 from shoecal_core.planning.standard import PlannedRun, listed_runs, standard_runs
+from shoecal_core.recording.session import require_free
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.shoe.shoe import load_shoe
 from shoecal_core.simulation.reality_file import load_reality
+from shoecal_core.simulation.sampled_robot import draw
 from shoecal_core.workflows.simulated_session import SimulationPlan, simulate_session
 from shoecal_core.workspace import config_dir
 
@@ -59,12 +61,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     """Simulate and record."""
+    require_free(args.out)
     settings = planner_settings(args)
     if args.own_steps:
         settings = dataclasses.replace(settings, one_foot=True)
+    refuse_exchanged(args.robot, args.shoe)
     shoe = load_shoe(args.shoe)
     robot = load_robot(args.robot, shoe)
     reality = load_reality(config_dir() / "realities" / "default.yaml", args.reality)
+    robot_seed = args.seed if args.robot_seed is None else args.robot_seed
+    draw(reality, robot, shoe, robot_seed)  # refuses names that there are not, before any search
     with shown_progress() as progress:
         plan = SimulationPlan(
             robot=robot,
@@ -74,7 +80,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
             runs=_runs(args, robot, chosen_supports(args, robot, shoe, settings, progress)),
             rate=args.rate,
             seed=args.seed,
-            robot_seed=args.seed if args.robot_seed is None else args.robot_seed,
+            robot_seed=robot_seed,
             own_steps=args.own_steps,
             drawn=args.stance is None,
         )

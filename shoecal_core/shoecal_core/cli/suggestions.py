@@ -31,7 +31,9 @@ def nearest_file(path: Path) -> str:
             return ""
         missing = missing.parent
     neighbours = {one.name: one for one in _entries(missing.parent)}
-    if found := get_close_matches(missing.name, sorted(neighbours), n=1):
+    found = get_close_matches(missing.name, sorted(neighbours), n=1)
+    # Names that have no more in common than what they end with are none.
+    if found and get_close_matches(missing.stem, [Path(found[0]).stem]):
         meant = neighbours[found[0]] / path.relative_to(missing)
         return f"; did you mean '{meant}'?" if meant.exists() else ""
     files = {file.stem: file for folder in FOLDERS for file in _entries(config_dir() / folder)

@@ -5,6 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from rich.box import SIMPLE_HEAD
+from rich.cells import cell_len
+from rich.console import Console, OverflowMethod
+from rich.measure import Measurement
+from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
@@ -16,6 +20,11 @@ from shoecal_core.shoe.shoe import FEET
 
 LEVELS = {"PASS": "bold green", "WARN": "bold yellow", "FAIL": "bold red"}
 """How verdicts look on a terminal."""
+TEXT: OverflowMethod = "fold"
+"""Overflow of columns that hold texts, which may wrap."""
+TEXT_WIDTH = 24
+"""Columns of a terminal that such a column takes at least, where its texts are longer."""
+UNBOUNDED = 10_000
 WRITTEN = {"grf": ("GRF", "N", 3), "cop": ("CoP", "mm", 2)}
 """Quantities, their units and decimals of a small difference, by their names in result files."""
 
@@ -34,6 +43,42 @@ def reason_lines(calibration: Calibration) -> list[Text]:
 def new_table(title: str) -> Table:
     """An empty table in the one style of all commands."""
     return Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
+
+
+def print_table(console: Console, table: Table) -> None:
+    """Print a table, or what it holds row by row where the terminal is too narrow for it.
+
+    No figure is ever cut or broken: only columns with the overflow TEXT wrap.
+    """
+    for column in table.columns:
+        column.no_wrap = column.overflow != TEXT
+    if _needed(console, table) <= console.width:
+        console.print(table)
+        return
+    if table.title:
+        console.print(table.title, style="italic", markup=False)
+    names = [str(column.header) for column in table.columns]
+    cells = zip(*(column.cells for column in table.columns), strict=True)
+    for row, texts in zip(table.rows, cells, strict=True):
+        for number, (name, text) in enumerate(zip(names, texts, strict=True)):
+            if number == 0:
+                line = Text.from_markup(f"{name} {text}" if name else str(text))
+            else:
+                line = Text.from_markup(f"{name}: {text}".replace("\n", "\n  "))
+            console.print(Padding(line, (0, 0, 0, 2 * min(number, 1))), style=row.style or "")
+    console.print()
+
+
+def _needed(console: Console, table: Table) -> int:
+    """Columns of a terminal in which nothing is cut."""
+    unbounded = console.options.update(max_width=UNBOUNDED)
+    width = Measurement.get(console, unbounded, table).maximum
+    for column in table.columns:
+        if column.overflow == TEXT:
+            lines = [line for cell in column.cells for line in str(cell).splitlines()]
+            longest = max(map(cell_len, [str(column.header), *lines]))
+            width -= max(0, longest - TEXT_WIDTH)
+    return width
 
 
 def errors_table(title: str, rows: Sequence[tuple[str, Errors]]) -> Table:

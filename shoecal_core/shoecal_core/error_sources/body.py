@@ -104,6 +104,16 @@ class Links:
     side: FloatArray
 
 
+def heavy_links(robot: Robot) -> list[tuple[int, pin.Frame]]:
+    """Links with a mass, each with the number of the joint that moves it, the root first."""
+    model = robot.model
+    return [
+        (joint, first_link(model, joint))
+        for joint in range(1, model.njoints)
+        if model.inertias[joint].mass > 0.0
+    ]
+
+
 def links(samples: Samples, foot_wrenches: FloatArray) -> Links:
     """Places and torques.
 
@@ -113,11 +123,7 @@ def links(samples: Samples, foot_wrenches: FloatArray) -> Links:
     robot = samples.robot
     model = robot.model
     data = model.createData()
-    carried = [
-        (joint, first_link(model, joint))
-        for joint in range(1, model.njoints)
-        if model.inertias[joint].mass > 0.0
-    ]
+    carried = heavy_links(robot)
     parent = [joint for joint, _ in carried]
     placed = [frame.placement for _, frame in carried]
     mass = np.array([model.inertias[joint].mass for joint in parent])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,9 @@ from shoecal_core.shoe.wrench import ChannelParameters
 FloatArray = NDArray[np.float64]
 FORMAT = 2
 """1: without columns; still written where there are none, so that older versions read it."""
+
+EPOCH_NS = 946_684_800 * 10**9
+"""Start of the year 2000 [ns]: earlier stamps are of a simulated clock and name no day."""
 
 
 class CalibrationFileError(FileError):
@@ -101,6 +105,13 @@ class Calibration:
                 raise ShapeError("covariance", f"({2 * count}, {2 * count})", self.covariance.shape)
             if not np.isfinite(self.covariance).all():
                 raise ShoecalError("the covariance holds a number that is not finite")
+
+    @property
+    def moment(self) -> datetime | None:
+        """When it was made, UTC; None where its clock names no day, as a simulated one."""
+        if self.made_ns < EPOCH_NS:
+            return None
+        return datetime.fromtimestamp(self.made_ns // 10**9, UTC)
 
     @property
     def gain_std(self) -> NDArray[np.float64] | None:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.estimation.known import Since
 from shoecal_core.planning.supports.identifiability import Identifiability
+from shoecal_core.recording.session import missing_text
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.samples.zeros import Zero
 from shoecal_core.screening.verdict import MOST_LISTED, Finding, list_reasons
@@ -112,13 +113,6 @@ def check_missing(runs: Sequence[int]) -> list[Finding]:
     return [Finding("WARN", missing_text(runs))] if runs else []
 
 
-def missing_text(runs: Sequence[int]) -> str:
-    """Runs that were started and are gone, in words."""
-    if len(runs) == 1:
-        return f"run {runs[0]} was begun but its file is gone: put it back"
-    return f"runs {', '.join(map(str, runs))} were begun but their files are gone: put them back"
-
-
 def check_since(
     since: Since | None, manual: ChannelParameters, now: ChannelParameters, shoe: Shoe
 ) -> list[Finding]:
@@ -158,7 +152,7 @@ def check_directions(found: Identifiability, add: DoubleSupport | None) -> list[
     if not found.weak or found.rank >= found.possible:
         return []
     cure = _addition(add, "record more double supports with other yaws between the feet")
-    listed = list_reasons([weak.words for weak in found.weak], MOST_DIRECTIONS)
+    listed = list_reasons(list(found.weak_by_words), MOST_DIRECTIONS)
     return [
         Finding(
             "WARN",

@@ -25,6 +25,13 @@ TORQUE_AXES = AXES[3:]
 """Channels of these names have offsets in N m."""
 
 
+def made_text(calibration: Calibration, zone: str = "") -> str:
+    """When it was made; by a simulated clock, how long that had run."""
+    if calibration.moment is None:
+        return f"simulated, {calibration.made_ns / 1e9:.0f} s"
+    return calibration.moment.strftime(f"%Y-%m-%d %H:%M{zone}")
+
+
 @dataclass(frozen=True)
 class HistoryEntry:
     """One calibration, compared with the first of its history; n channels.

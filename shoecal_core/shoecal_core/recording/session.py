@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import secrets
 import shutil
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -40,6 +40,8 @@ FORMAT = 1
 FILE = SESSION_FILE
 ROBOT, URDF, SHOE = "robot.yaml", SESSION_URDF, "shoe.yaml"
 TRUTH = "truth"
+NAMED = 5
+"""Sessions that an error names."""
 
 T = TypeVar("T")
 
@@ -64,6 +66,36 @@ class RunEntry:
 def _recorded(info: RunInfo) -> dict[str, str]:
     """SHA-256 of the files that a run was recorded with."""
     return {ROBOT: info.robot_hash, URDF: info.urdf_hash, SHOE: info.shoe_hash}
+
+
+def require_free(folder: Path) -> None:
+    """Refuse a folder for a new session that holds something already.
+
+    Raises:
+        FileTakenError: it does, or is a file.
+    """
+    if folder.exists() and not (folder.is_dir() and not any(folder.iterdir())):
+        raise FileTakenError(
+            folder, "exists already; sessions are never overwritten: name another folder"
+        )
+
+
+def missing_text(runs: Sequence[int]) -> str:
+    """Runs that were started and are gone, in words."""
+    if len(runs) == 1:
+        return f"run {runs[0]} was begun but its file is gone: put it back"
+    return f"runs {', '.join(map(str, runs))} were begun but their files are gone: put them back"
+
+
+def _within(folder: Path) -> str:
+    """What to name instead of a folder that is no session: those that it holds."""
+    try:
+        held = sorted(file.parent for file in folder.glob(f"*/{FILE}"))
+    except OSError:
+        held = []
+    if len(held) == 1:
+        return f"name the one that it holds: {held[0]}"
+    return f"name one that it holds: {', '.join(map(str, held[:NAMED]))}" if held else "name one"
 
 
 class _Kept(Generic[T]):
@@ -132,8 +164,7 @@ class Session:
             FileError: when it cannot be made, or a file cannot be used.
         """
         folder = Path(folder)
-        if folder.exists() and not (folder.is_dir() and not any(folder.iterdir())):
-            raise FileTakenError(folder, "exists already; sessions are never overwritten")
+        require_free(folder)
         robot = read_yaml(robot_yaml).text("name")
         session = cls(folder, robot, load_shoe(shoe_yaml).name, seed, [])
         copies = {ROBOT: robot_yaml, URDF: robot_urdf, SHOE: shoe_yaml}
@@ -172,7 +203,7 @@ class Session:
         if not folder.is_dir():
             raise FileMissingError(folder, "does not exist; record, simulate or import a session")
         if not path.is_file():
-            raise SessionError(folder, f"is no session (it has no {FILE}); name one")
+            raise SessionError(folder, f"is no session (it has no {FILE}); {_within(folder)}")
         for name in (ROBOT, URDF, SHOE):
             if not (folder / name).is_file():
                 raise SessionError(folder, f"has lost its {name}; put it back")

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from shoecal_core.errors import ShoecalError
 from shoecal_core.recording.errors import SessionError
-from shoecal_core.recording.session import Session
+from shoecal_core.recording.session import Session, missing_text
 
 
 def split_runs(
@@ -17,9 +17,11 @@ def split_runs(
     Runs given count; else the session's own marks; else every run trains.
 
     Raises:
-        ShoecalError: a run that is not there, or one in both sets.
+        ShoecalError: no run at all, a run that is not there, or one in both sets.
     """
     entries = session.runs
+    if not entries:
+        raise SessionError(session.folder, _without_runs(session))
     if not train and not test:
         train = [entry.run for entry in entries if entry.hint == "train"]
         test = [entry.run for entry in entries if entry.hint == "test"]
@@ -36,3 +38,12 @@ def split_runs(
             f"run(s) {both} are in both --train and --test; a test run is not fitted"
         )
     return tuple(train), tuple(test)
+
+
+def _without_runs(session: Session) -> str:
+    """Why a session has none, and what to do."""
+    if session.missing:
+        return f"has no run: {missing_text(session.missing)}"
+    if session.unfinished:
+        return f"has no finished run: rescue it with `shoecal recover {session.unfinished[0]}`"
+    return "has no run yet: record some"

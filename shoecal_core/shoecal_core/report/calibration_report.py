@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from datetime import UTC, datetime
 from pathlib import Path
 
 from shoecal_core.estimation.calibration import Calibration
@@ -51,8 +50,6 @@ MEANING = {
     "FAIL": "This calibration must not be used.",
 }
 SOURCES = {"self": "self-calibration", "manual": "manual calibration"}
-EPOCH_NS = 946_684_800 * 10**9
-"""Start of the year 2000 [ns]: earlier stamps are of a simulated clock and name no day."""
 
 
 def calibration_report(path: Path, content: CalibrationReport) -> None:
@@ -98,10 +95,8 @@ def subtitle(content: CalibrationReport) -> str:
 
 def made(calibration: Calibration) -> list[str]:
     """When it was made; nothing where its clock names no day."""
-    if calibration.made_ns < EPOCH_NS:
-        return []
-    moment = datetime.fromtimestamp(calibration.made_ns // 10**9, UTC)
-    return [moment.strftime("%Y-%m-%d %H:%M UTC")]
+    moment = calibration.moment
+    return [] if moment is None else [moment.strftime("%Y-%m-%d %H:%M UTC")]
 
 
 def _key_figures(content: CalibrationReport) -> tuple[KeyFigure, ...]:

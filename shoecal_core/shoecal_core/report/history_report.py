@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
 
-from shoecal_core.estimation.history import HistoryEntry
+from shoecal_core.estimation.history import HistoryEntry, made_text
 from shoecal_core.report.figures.tracks import ChannelTrack, tracks
 from shoecal_core.report.html import write_page
 from shoecal_core.report.page import Group, Page, PageVerdict, Picture, Reason, Section, Table
@@ -97,7 +96,7 @@ def _foot(history: Sequence[HistoryEntry], foot: str) -> Group:
 
 def _table(entry: HistoryEntry) -> Table:
     one = entry.calibration
-    moment = datetime.fromtimestamp(one.made_ns // 10**9, UTC).strftime("%Y-%m-%d %H:%M UTC")
+    moment = made_text(one, " UTC")
     warm = quantity(one.temperature, "°C", 1) if np.isfinite(one.temperature) else UNKNOWN
     rows = tuple(
         (

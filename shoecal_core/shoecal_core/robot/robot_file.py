@@ -10,9 +10,9 @@ import pinocchio as pin
 import shapely
 from numpy.typing import NDArray
 
-from shoecal_core.errors import FileMissingError
-from shoecal_core.file_kinds import meant
-from shoecal_core.files import Fields, read_bytes, read_yaml, sha256
+from shoecal_core.errors import FieldError, FileMissingError
+from shoecal_core.file_kinds import kind_of, meant, wanted
+from shoecal_core.files import Fields, read_yaml, sha256
 from shoecal_core.robot.robot import (
     Capsule,
     Foot,
@@ -30,8 +30,16 @@ from shoecal_core.shoe.shoe import FEET, Shoe
 FORMAT = 1
 SESSION_FILE, SESSION_URDF = "session.yaml", "robot.urdf"
 """What a session's folder is known by, and its copy of the URDF."""
+KEYS = (
+    "format", "name", "urdf", "weight", "feet", "legs", "shared_motors", "optional_joints",
+    "posture_rad", "support_range", "capsules", "collision_pairs", "friction", "joint_deflection",
+    "tilt_max_rad",
+)  # fmt: skip
+"""Of a robot file."""
 MAX_LENGTH = 1.0
 """m; any foot that is larger was given in millimetres."""
+FULL_TURN = 2.0 * np.pi
+"""rad; larger angles were given in degrees."""
 MAX_SUPPORTS = 1e6
 """Places of the right foot; more were meant to be fewer."""
 
@@ -44,8 +52,11 @@ def shoe_file_of(robot: Path) -> Path:
 
     Raises:
         FileMissingError: when there is no such file.
+        FileError: when the robot file cannot be read, or is a file of another kind.
     """
-    read_bytes(robot)  # A robot file that is missing is reported as itself.
+    # A robot file that is missing, or is another file, is reported as itself.
+    if kind := kind_of(read_yaml(robot).keys(), KEYS):
+        raise FieldError(robot, f"is {kind}, by its keys; {wanted(KEYS)}")
     folder = Path(os.path.normpath(robot.parent / ".." / "shoes"))
     shoe = folder / f"{robot.stem}_shoe.yaml"
     if not shoe.is_file():
@@ -87,14 +98,8 @@ def load_robot(
     path = Path(path)
     fields = read_yaml(path)
     fields.format(FORMAT)
-    fields.only(
-        "format", "name", "urdf", "weight", "feet", "legs", "shared_motors", "optional_joints",
-        "posture_rad", "support_range", "capsules", "collision_pairs", "friction",
-        "joint_deflection", "tilt_max_rad",
-    )  # fmt: skip
-    named = fields.text("urdf")
-    in_session = (path.parent / SESSION_FILE).is_file()
-    urdf = urdf or path.parent / (SESSION_URDF if in_session else named)
+    fields.only(*KEYS)
+    urdf = urdf or _urdf_of(fields)
     description = read_urdf(urdf)
     model = description.model
     weight = fields.mapping("weight")
@@ -137,6 +142,21 @@ def load_robot(
     )
     check_standing(robot, fields)
     return robot
+
+
+def _urdf_of(fields: Fields) -> Path:
+    """The URDF that a robot file names, or the session's copy of it."""
+    folder, named = fields.path.parent, fields.text("urdf")
+    if (folder / SESSION_FILE).is_file():
+        return folder / SESSION_URDF
+    urdf = folder / named
+    if not urdf.exists():
+        at = Path(os.path.normpath(urdf))
+        same = folder / urdf.name
+        near = f"did you mean '{urdf.name}'? " if same.is_file() else ""
+        problem = f"there is no URDF at {at}; {near}give its path as seen from this robot file"
+        raise FileMissingError(fields.path, problem, field="urdf")
+    return urdf
 
 
 def _scale_mass(model: pin.Model, mass: float) -> None:
@@ -271,7 +291,11 @@ def _posture(
         names, posture, model.lowerPositionLimit[7:], model.upperPositionLimit[7:], strict=True
     ):
         if not low <= value <= high:
-            raise block.error(name, f"{value:g} lies outside the joint's {low:g} to {high:g} rad")
+            degrees = low <= np.radians(value) <= high and abs(value) > FULL_TURN
+            cure = f"; give rad, not degrees: {np.radians(value):.3g}" if degrees else ""
+            raise block.error(
+                name, f"{value:g} lies outside the joint's {low:g} to {high:g} rad{cure}"
+            )
     return posture
 
 

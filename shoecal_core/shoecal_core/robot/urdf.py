@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.errors import FileError, FileSyntaxError
 from shoecal_core.file_kinds import XACRO, is_mjcf, is_xacro
-from shoecal_core.files import read_bytes
+from shoecal_core.files import file_kind, read_bytes
 from shoecal_core.robot.native_output import caught_stderr
 from shoecal_core.robot.symbolic import joint_axis
 
@@ -81,14 +81,7 @@ def read_urdf(path: Path) -> Urdf:
         FileSyntaxError: for a file that is no XML.
     """
     text = read_bytes(path).decode("utf-8", errors="replace")
-    if is_mjcf(text):
-        raise UrdfError(
-            path, "is an MJCF; make a URDF and a robot file of it with `shoecal new robot`"
-        )
-    if "<robot" not in text:
-        raise UrdfError(path, "not a URDF (no <robot> element)")
-    if is_xacro(text):
-        raise UrdfError(path, XACRO)
+    _check_kind(path, text)
     reader = _Reader(path, text)
     declared = sum(reader.masses.values())
     if declared > 0.0 and reader.unweighed:
@@ -125,6 +118,20 @@ def read_urdf(path: Path) -> Urdf:
                 field=f"joint {name}",
             )
     return Urdf(model, mimics, tuple(reader.locked))
+
+
+def _check_kind(path: Path, text: str) -> None:
+    """Refuse what is no URDF, or is one that xacro has still to unfold."""
+    if is_mjcf(text):
+        raise UrdfError(
+            path, "is an MJCF; make a URDF and a robot file of it with `shoecal new robot`"
+        )
+    if "<robot" not in text:
+        if kind := file_kind(path):
+            raise UrdfError(path, f"is {kind}, by its keys; name a URDF here")
+        raise UrdfError(path, "not a URDF (no <robot> element)")
+    if is_xacro(text):
+        raise UrdfError(path, XACRO)
 
 
 def with_locked_fixed(text: str) -> str:

@@ -15,7 +15,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.errors import FieldError
+from shoecal_core.errors import FieldError, instead
 from shoecal_core.simulation.effects.effect import Effect
 
 ALL = "all"
@@ -53,7 +53,7 @@ class NamedNumbers:
             if name != ALL and name not in names:
                 raise FieldError(
                     self.path,
-                    f"there is no {kind} '{name}' (there are: {', '.join(names)})",
+                    f"there is no {kind} '{name}' ({instead(name, names)})",
                     field=self.key,
                 )
         resolved = np.array(default, dtype=np.float64)

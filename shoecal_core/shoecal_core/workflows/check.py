@@ -6,10 +6,9 @@ from dataclasses import dataclass
 
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import ShoecalError
-from shoecal_core.estimation.checks import missing_text
 from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.estimation.session_data import SessionData, load_data
-from shoecal_core.recording.session import Session
+from shoecal_core.recording.session import Session, missing_text
 from shoecal_core.recording.train_test import split_runs
 from shoecal_core.samples.zeros import ZeroFigures, zeros_json
 from shoecal_core.screening.settings import CalibrationSettings
@@ -62,7 +61,7 @@ def check_session(
     ] + ([missing_text(session.missing)] if session.missing else [])
     data = load_data(session, None, settings, weight_kg=weight_kg, all_readable=False)
     problems += data.problems.values()
-    if not data.runs:
+    if not data.runs and not problems:
         problems.append(f"{session.folder}: no run can be read; record some")
     found = data.screening.findings
     problems += [one.reason for one in found if one.verdict == "FAIL"]

@@ -11,6 +11,7 @@ from shoecal_core.diagnosis.result import Diagnosis
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources.base import Effect
 from shoecal_core.error_sources.effects.known import EFFECTS, effects_from
+from shoecal_core.error_sources.known_places import known_places
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import NameNotFoundError, ShoecalError
 from shoecal_core.estimation.calibration import Calibration
@@ -20,9 +21,11 @@ from shoecal_core.progress import Progress, no_progress
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.train_test import split_runs
 from shoecal_core.report.origin import origin
+from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.samples.zeros import ZeroFigures, zeros_json
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.workflows.evaluation import load_calibration_of
+from shoecal_core.workflows.many_jobs import ENDED
 
 READ_TO, SIMULATED_FROM = 0.1, 0.7
 """Share of the work in which runs are read, and after which the found effects are simulated."""
@@ -124,6 +127,7 @@ def do(job: DiagnosisRequest, progress: Progress = no_progress) -> Diagnosed:
     for name, _ in job.only:
         if name not in known:
             raise NameNotFoundError("effect", name, known)
+    _check_places(job, session)
     calibration = None
     if job.calibration is not None:
         calibration = load_calibration_of(job.calibration, session)
@@ -189,9 +193,30 @@ def attempt(job: DiagnosisRequest) -> Diagnosed:
         return Diagnosed(job.session, error=str(error))
 
 
+def lost(job: DiagnosisRequest) -> Diagnosed:
+    """What stands for a job whose process or worker ended before it."""
+    return Diagnosed(job.session, error=f"{job.session}: {ENDED}")
+
+
 def _library(own: Path | None) -> tuple[Effect, ...]:
     """All effects that are known, and those of a file."""
     return EFFECTS if own is None else (*EFFECTS, *effects_from(own))
+
+
+def _check_places(job: DiagnosisRequest, session: Session) -> None:
+    """Refuse places that this robot and these shoes have not, of effects of the library."""
+    library = {effect.identifier: effect for effect in EFFECTS}
+    asked = [(library[name], place) for name, place in job.only if place and name in library]
+    if not asked:
+        return
+    robot = load_robot(session.robot_yaml, session.shoe, weight_kg=job.weight_kg)
+    for effect, place in asked:
+        known, name = list(known_places(effect, robot, session.shoe)), effect.identifier
+        if known == [()]:
+            raise ShoecalError(f"{name} has no place: ask for '{name}', without a colon")
+        if place not in known:
+            listed = [",".join(one) for one in known]
+            raise NameNotFoundError(f"place of {name}", ",".join(place), listed)
 
 
 def _checked(data: SessionData) -> list[str]:

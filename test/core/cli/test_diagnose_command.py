@@ -10,10 +10,13 @@ from typing import Any
 import pytest
 
 from core.cli.conftest import Run
+from shoecal_core.cli import diagnose_command
 from shoecal_core.cli.diagnose_command import effect_at
+from shoecal_core.cli.parsers import command_line
 from shoecal_core.diagnosis.result import VERDICT_TEXTS
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.estimation import session_data
+from shoecal_core.files import atomic_write
 from shoecal_core.recording.run import Run as RecordedRun
 from shoecal_core.recording.session import Session
 from shoecal_core.samples.aligned import Aligned, align
@@ -69,8 +72,17 @@ def test_every_run_is_read_and_aligned_once(
     assert set(read) == {1, 2, 3}
 
 
-def test_many_sessions_one_of_which_fails(shoecal: Run, simulated: Path, tmp_path: Path) -> None:
+def test_many_sessions_one_of_which_fails(
+    shoecal: Run, simulated: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     figures = tmp_path / "figures.json"
+    written: list[dict[str, list[object]]] = []
+
+    def write(path: Path, content: bytes | str) -> None:
+        written.append(json.loads(content))
+        atomic_write(path, content)
+
+    monkeypatch.setattr(diagnose_command, "atomic_write", write)
     missing = tmp_path / "nothing"
     code, out, error = shoecal(
         "diagnose", simulated, missing, "--jobs", "2", "--no-simulation", "--json", figures,
@@ -78,6 +90,10 @@ def test_many_sessions_one_of_which_fails(shoecal: Run, simulated: Path, tmp_pat
     )  # fmt: skip
     assert code == 1
     first, second = json.loads(figures.read_text())["sessions"]
+    # What was done is there before the rest is.
+    assert [len(one["sessions"]) for one in written] == [1, 2]
+    assert written[0]["waiting"] == [str(simulated)]
+    assert "waiting" not in written[1]
     assert first["verdict"] in VERDICT_TEXTS
     assert "does not exist" in second["error"]
     assert "1 of 2 sessions failed" in error
@@ -191,12 +207,23 @@ def test_no_effect(shoecal: Run, simulated: Path, text: str) -> None:
 def test_an_effect_that_there_is_not(shoecal: Run, simulated: Path) -> None:
     code, _, error = shoecal("diagnose", simulated, "--only", "latencies")
     assert code == 1
-    assert "no effect named 'latencies' (perhaps 'latency'; there are: nonlinearity, " in error
+    assert "no effect named 'latencies' (did you mean 'latency'? there are: nonlinearity, " in error
 
 
 def test_an_effect_and_its_places() -> None:
     assert effect_at("latency") == ("latency", ())
     assert effect_at("crosstalk:left/a,left/b") == ("crosstalk", ("left/a", "left/b"))
+
+
+def test_workers_elsewhere_get_whole_paths(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    words = ["diagnose", "a", "b", "--scheduler", "tcp://127.0.0.1:1", "--report", "r.html"]
+    words += ["--calibration", "c.yaml", "--effects-from", "e.py"]
+    jobs = diagnose_command.requests(command_line(["diagnose"]).parse_args(words))
+    assert [job.session for job in jobs] == [tmp_path / "a", tmp_path / "b"]
+    assert [job.report for job in jobs] == [tmp_path / "r_a.html", tmp_path / "r_b.html"]
+    assert {job.calibration for job in jobs} == {tmp_path / "c.yaml"}
+    assert {job.effects_from for job in jobs} == {tmp_path / "e.py"}
 
 
 def test_over_a_cluster(shoecal: Run, simulated: Path, tmp_path: Path) -> None:

@@ -45,6 +45,8 @@ def test_what_changed(calibrated: Path, later: Path, shoecal: Run) -> None:
     assert [one["offset_beyond_2_std"] for one in second["channels"]].count(True) == 1
     assert not any(one["gain_beyond_2_std"] for one in second["channels"])
     assert second["channels"][0]["name"] in told
+    assert "1970" not in told + report.read_text()
+    assert f"simulated, {first['made_ns'] / 1e9:.0f} s" in told
     assert report.read_text().count("<svg") >= 4
 
 

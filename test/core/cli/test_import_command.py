@@ -8,11 +8,23 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from core.cli.conftest import WREN_SHOE
 from core.recording import bags
 from shoecal_core.cli import main
 from shoecal_core.robot.robot_file import load_robot
 
 NOTE = "/joint_states: 1 of 201 messages have a stamp that repeats or goes back; they are left out"
+
+
+def test_a_draft_with_the_shoe_of_another_robot(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], simulated: Path
+) -> None:
+    run, robot, out = simulated / "run_001.mcap", simulated / "robot.yaml", tmp_path / "map.yaml"
+    words = ["draft", run, "--robot", robot, "--shoe", WREN_SHOE, "--out", out]
+    assert main(["import", *map(str, words)]) == 1
+    told = capsys.readouterr().err
+    assert f"{WREN_SHOE} seems to be another robot's shoe: name the one that was recorded" in told
+    assert not out.exists()
 
 
 def test_draft_and_import_of_a_bag(

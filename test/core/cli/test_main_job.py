@@ -197,3 +197,13 @@ def test_a_run_that_vanished_is_told(shoecal: Run, simulated: Path, tmp_path: Pa
     code, out, _ = shoecal("calibrate", session, "--out", tmp_path / "c.yaml")
     assert code == 0
     assert "WARN: run 3 was begun but its file is gone" in " ".join(out.split())
+    for run in session.glob("run_*.mcap"):
+        run.unlink()
+    gone = "runs 1, 2, 3, 4 were begun but their files are gone: put them back"
+    code, out, error = shoecal("check", session)
+    assert [line for line in out.splitlines() if line.startswith("FAIL")] == [f"FAIL: {gone}"]
+    assert "1 problem(s)" in error
+    for words in (("calibrate", session, "--out", tmp_path / "d.yaml"), ("diagnose", session)):
+        code, _, error = shoecal(*words)
+        assert code == 1
+        assert error == f"shoecal {words[0]}: {session}: has no run: {gone}\n"

@@ -81,6 +81,17 @@ def test_a_file_beside_the_one_that_is_not_there(tmp_path: Path) -> None:
     assert not nearest_file(tmp_path / "sesion" / "other.yaml")
     assert not nearest_file(tmp_path / "session")
     assert not nearest_file(tmp_path / "qqqqqq" / "wwwwww" / "eeeeee")
+    (tmp_path / "e.yaml").touch()
+    assert not nearest_file(tmp_path / "none.yaml")
+    assert nearest_file(tmp_path / "ee.yaml").endswith(f"'{tmp_path / 'e.yaml'}'?")
+
+
+@pytest.mark.parametrize("words", [("plan", SHOE, "--shoe", NAO), ("simulate", SHOE, NAO)])
+def test_robot_and_shoe_that_are_exchanged(
+    capsys: pytest.CaptureFixture[str], words: tuple[str, ...]
+) -> None:
+    line = told(capsys, *words, "--out", "x")
+    assert f"{SHOE} is the shoe file and {NAO} the robot file: exchange the two" in line
 
 
 def test_a_folder_to_write_to_that_is_mistyped_gets_a_guess(
@@ -152,6 +163,30 @@ def test_help_tells_defaults(capsys: pytest.CaptureFixture[str]) -> None:
     assert "draws robot, cells, supports (default: 1)" in told
     assert "(default: None)" not in told
     assert "(default: False)" not in told
+
+
+@pytest.mark.parametrize("command", ["calibrate", "diagnose", "evaluate"])
+def test_help_tells_no_empty_defaults(capsys: pytest.CaptureFixture[str], command: str) -> None:
+    with pytest.raises(SystemExit):
+        cli.main([command, "--help"])
+    told = " ".join(capsys.readouterr().out.split())
+    assert "--test R" in told
+    assert "(default: ()" not in told
+    assert "(default: []" not in told
+
+
+def test_an_option_of_several_values_names_them(capsys: pytest.CaptureFixture[str]) -> None:
+    line = told(capsys, "new", "robot", "a.urdf", "--sole", "0.1", "0.2", "0.1")
+    assert "--sole: expected 5 arguments: BACK FRONT INNER OUTER HEIGHT; see" in line
+
+
+def test_arguments_of_an_import_that_are_exchanged(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    mapping = tmp_path / "mapping.yaml"
+    mapping.touch()
+    line = told(capsys, "import", "bag", str(tmp_path), str(mapping), "--out", "session")
+    assert f"{tmp_path}: is a folder, and {mapping} a file: name the mapping first" in line
 
 
 @pytest.mark.parametrize("shell", SHELLS)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from core.estimation import synthetic
 from core.planning.bodies import load_body
 from core.shoe import shoes
+from shoecal_core.cli.weak_lines import weak_lines
 from shoecal_core.estimation.checks import GAIN_RATIO, check_directions, check_expected, check_gains
 from shoecal_core.estimation.fit import self_calibrate
 from shoecal_core.estimation.initial_guess import InitialGuess
@@ -152,6 +153,12 @@ def test_missing_directions() -> None:
     many = tuple(WeakDirection(f"direction {number}", np.inf) for number in range(9))
     (finding,) = check_directions(dataclasses.replace(told, weak=many), None)
     assert "but not: direction 0; direction 1; direction 2; and 6 more; " in finding.reason
+    alike = tuple(WeakDirection("the offsets", one) for one in (0.4, 2.0, np.inf))
+    (finding,) = check_directions(dataclasses.replace(told, weak=alike), None)
+    assert "but not: the offsets; record" in finding.reason
+    assert weak_lines(dataclasses.replace(told, weak=alike)) == [
+        "not identified: the offsets (3 directions, uncertain by 40 and 200 % or more)"
+    ]
 
 
 def test_an_expected_cop_error_is_judged_by_the_width_of_the_polygon() -> None:

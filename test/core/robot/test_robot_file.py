@@ -120,7 +120,7 @@ def test_another_urdf_may_be_given(folder: Path) -> None:
     robot = load_robot(folder / ODD.name, urdf=other)
     assert robot.urdf == other
     assert "odd_biped.urdf" in str(
-        mutations.refused(folder / ODD_URDF.name, lambda: load_robot(folder / ODD.name))
+        mutations.refused(folder / ODD.name, lambda: load_robot(folder / ODD.name))
     )
 
 
@@ -540,8 +540,9 @@ def test_a_urdf_that_cannot_be_read(folder: Path) -> None:
     path = mutations.write_edited(folder / ODD.name, ODD, (("urdf",), "."))
     assert "directory" in mutations.refused(folder, lambda: load_robot(path)).problem
     path = mutations.write_edited(folder / ODD.name, ODD, (("urdf",), "none.urdf"))
-    error = mutations.refused(folder / "none.urdf", lambda: load_robot(path))
-    assert "No such file" in error.problem
+    error = mutations.refused(path, lambda: load_robot(path))
+    assert f"there is no URDF at {folder / 'none.urdf'}" in error.problem
+    assert error.field == "urdf"
 
 
 # ---- by chance --------------------------------------------------------------------------------

@@ -65,6 +65,14 @@ class Identifiability:
         values: FloatArray = 1.0 / self.uncertainties
         return values
 
+    @property
+    def weak_by_words(self) -> dict[str, list[float]]:
+        """Uncertainties of those that are not fixed, by what changes along them."""
+        found: dict[str, list[float]] = {}
+        for weak in self.weak:
+            found.setdefault(weak.words, []).append(weak.uncertainty)
+        return found
+
     def to_json(self) -> dict[str, object]:
         """For result files; an infinite uncertainty is null."""
         return {

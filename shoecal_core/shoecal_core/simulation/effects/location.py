@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.errors import FieldError
+from shoecal_core.errors import FieldError, instead
 from shoecal_core.files import Fields
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import FEET, Shoe
@@ -95,8 +95,7 @@ class Channels:
             elif name in shoe.names:
                 chosen.append(shoe.names.index(name))
             else:
-                listed = ", ".join(shoe.names)
-                raise self.error(f"there is no channel '{name}' (there are: {listed})")
+                raise self.error(f"there is no channel '{name}' ({instead(name, shoe.names)})")
         return np.array(list(dict.fromkeys(chosen)), dtype=np.int64)
 
     def forces(self, shoe: Shoe) -> IntArray:
@@ -173,7 +172,7 @@ class Parts:
             else:
                 raise FieldError(
                     self.path,
-                    f"there is no {self.kind} '{name}' (there are: {', '.join(known)})",
+                    f"there is no {self.kind} '{name}' ({instead(name, known)})",
                     field=self.field,
                 )
         return mask

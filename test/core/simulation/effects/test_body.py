@@ -200,7 +200,10 @@ def test_a_shoe_askew_takes_cells_and_sole_along(nao: World, foot: str) -> None:
     [
         (item("payload", "tail", mass_kg=0.1), "no link 'tail' .there are: base_link, "),
         (item("link_com", "all", x_m=0.1), "no link 'all'"),
-        (item("joint_offset", "LKnee", angle_rad=0.1), "no joint 'LKnee' .there are: HeadYaw"),
+        (
+            item("joint_offset", "LKnee", angle_rad=0.1),
+            "no joint 'LKnee' .did you mean 'LKneePitch'. there are: HeadYaw",
+        ),
     ],
 )
 def test_parts_that_there_are_not(nao: World, effect: Effect, message: str) -> None:
