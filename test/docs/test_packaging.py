@@ -83,7 +83,12 @@ def test_versions_agree() -> None:
     (version,) = {manifest(package).findtext("version") for package in PACKAGES}
     assert yaml.safe_load((ROOT / "CITATION.cff").read_text())["version"] == version
     changes = (ROOT / "CHANGELOG.md").read_text()
-    assert re.search(rf"^## (Unreleased|{re.escape(str(version))})", changes, re.MULTILINE)
+    sections = re.findall(r"^## (.*)$", changes, re.MULTILINE)
+    assert sections[0] == "Unreleased"
+    dated = [re.fullmatch(r"(\d+\.\d+\.\d+) - \d{4}-\d\d-\d\d", one) for one in sections[1:]]
+    assert all(dated)
+    assert dated[0] is not None
+    assert dated[0].group(1) == version
 
 
 @pytest.mark.parametrize("package", PACKAGES)
