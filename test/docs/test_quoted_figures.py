@@ -40,9 +40,9 @@ def test_readme_quotes_the_blind_test() -> None:
     def share(figure: str) -> str:
         return f"{float(row('diagnosis.md', figure)[2]):.0%}".replace("%", " %")
 
-    assert f"finds {share('found, where')} of effects" in README
-    assert f"the right one first in {share('right effect first')}" in README
-    assert f"both of two causes {share('both of two found')}" in README
+    assert f"sees {share('found, where')} of the causes" in README
+    assert f"the right one comes first in {share('right effect first')}" in README
+    assert f"of two causes it finds both in {share('both of two found')}" in README
     right = row("diagnosis.md", "right effect first")
     assert f"(of {right[4]})" in README
     alarms = row("diagnosis.md", "healthy robots with a cause")
