@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -205,16 +206,21 @@ def helps_table(assessed: Assessment) -> Table | None:
     known = [
         one
         for one in budget.sources
-        if np.isfinite(one.without).all() and (one.without < (1.0 - LEAST_WIN) * budget.total).any()
+        if cure(one.effect) is not None
+        and np.isfinite(one.without).all()
+        and (one.without < (1.0 - LEAST_WIN) * budget.total).any()
     ]
+    if not known:
+        return None
     known.sort(key=lambda one: float(np.sum(one.without**2)))
+    # The budget is of mean squares; errors are stated as means of their size.
+    mean = np.array([np.nanmean(one.cop_mean) for one in (assessed.both, *assessed.feet)])
     rows = tuple(
         (
             source_name(one.effect),
-            f"{one.share[0]:.0%} ({one.interval[0, 0]:.0%} to {one.interval[0, 1]:.0%})",
             *(
-                _falls(float(now), float(then))
-                for now, then in zip(budget.total, one.without, strict=True)
+                _falls(float(now), float(now * ratio))
+                for now, ratio in zip(mean, one.without / budget.total, strict=True)
             ),
             cure(one.effect) or UNKNOWN,
         )
@@ -222,13 +228,10 @@ def helps_table(assessed: Assessment) -> Table | None:
     )
     return Table(
         "What would help most",
-        (
-            "if known exactly", "share of both feet (95 %)", "both feet",
-            *(f"{side} foot" for side in FEET), "how",
-        ),
+        ("if known exactly", "both feet", *(f"{side} foot" for side in FEET), "how"),
         rows,
-        "Expected CoP error before → after. The interval is that of the share in this calibration.",
-    )  # fmt: skip
+        "Expected CoP error before → after, as in the table of expected errors.",
+    )
 
 
 def _falls(now: float, then: float) -> str:
@@ -316,13 +319,15 @@ def _fixed(assessed: Assessment) -> Group:
 
 def _left_out(content: CalibrationReport, assessed: Assessment) -> Group:
     late = time_offset_text(assessed, content.calibration.time_offset)
-    return left_out_group(
+    found = left_out_group(
         content.screening,
         {run.run: max(float(one.stance.time[-1]) for one in run.stances) for run in content.runs},
         "What was left out before the fit",
         f"Time offset (joints after readings): {late}, 95\N{NO-BREAK SPACE}% interval; corrected "
         "by the fit.",
     )
+    # What matters of it stands among the reasons.
+    return replace(found, folded=True)
 
 
 def _known(*tables: Table | None) -> tuple[Table, ...]:

@@ -49,6 +49,10 @@ MEANING = {
     "WARN": "This calibration may be used with care: read the reasons first.",
     "FAIL": "This calibration must not be used.",
 }
+NEXT = (
+    "Next: on the robot, /shoe/apply puts a self-calibration in force, /shoe/set_calibration this "
+    "file; `shoecal apply SESSION --calibration FILE` gives GRF and CoP of a recording."
+)
 SOURCES = {"self": "self-calibration", "manual": "manual calibration"}
 
 
@@ -81,6 +85,7 @@ def verdict_of(calibration: Calibration) -> PageVerdict:
         calibration.verdict,
         MEANING[calibration.verdict],
         tuple(Reason(*split_reason(one, calibration.verdict)) for one in calibration.reasons),
+        lines=() if calibration.verdict == "FAIL" else (NEXT,),
     )
 
 
@@ -171,8 +176,9 @@ def _runs(content: CalibrationReport) -> Section:
             title=f"Run {run.run} · {set_name(run)}",
             text=_support_line(run.double_support, support_text(run)),
             pictures=run_pictures(content, run),
+            folded=number > 0,
         )
-        for run in content.runs
+        for number, run in enumerate(content.runs)
     )
     return Section("Runs", groups)
 
@@ -183,9 +189,10 @@ def _support_line(double_support: bool, text: str) -> str:
 
 def _feet(content: CalibrationReport) -> Section:
     pictures = tuple(foot_picture(content, run) for run in content.runs)
+    group = Group(title="CoP of each foot, run by run", pictures=pictures, folded=True)
     return Section(
         "Each foot by itself",
-        (Group(pictures=pictures),),
+        (group,),
         "Both feet together can look right while each is wrong, so each is looked at in its own "
         "sole frame. No CoP is drawn while a foot carries too little.",
     )
@@ -198,4 +205,4 @@ def _details(content: CalibrationReport) -> Section:
     tables.append(belongs_to(content.calibration, content.robot))
     if content.timing:
         tables.append(timing_table(content))
-    return Section("Details", (Group(tables=tuple(tables)),))
+    return Section("Details", (Group(title="All tables", tables=tuple(tables), folded=True),))

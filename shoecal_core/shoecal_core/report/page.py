@@ -95,13 +95,18 @@ class Table:
 
 @dataclass(frozen=True)
 class Group:
-    """What stands under one subheading (none where the title is empty)."""
+    """What stands under one subheading (none where the title is empty).
+
+    Attributes:
+        folded: only the subheading is shown until it is clicked; the whole is printed.
+    """
 
     title: str = ""
     text: str = ""
     pictures: tuple[Picture, ...] = ()
     tables: tuple[Table, ...] = ()
     player: Player | None = None
+    folded: bool = False
 
 
 @dataclass(frozen=True)
