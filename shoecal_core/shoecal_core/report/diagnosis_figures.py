@@ -133,8 +133,14 @@ def _rms_mm(off: FloatArray) -> float:
 
 
 def time_pictures(diagnosis: Diagnosis, evidence: Evidence) -> tuple[Picture, ...]:
-    """Each signal that shows something, run by run."""
-    pictures = (_picture(diagnosis, evidence, name) for name in loud_signals(diagnosis, evidence))
+    """Each signal that shows something, run by run; those that hold most of the gap first."""
+    held = [place.signal for place in diagnosis.where]
+
+    def rank(name: str) -> int:
+        return next((at for at, one in enumerate(held) if name.startswith(one)), len(held))
+
+    names = sorted(loud_signals(diagnosis, evidence), key=rank)
+    pictures = (_picture(diagnosis, evidence, name) for name in names)
     return tuple(picture for picture in pictures if picture is not None)
 
 

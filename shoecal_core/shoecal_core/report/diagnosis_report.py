@@ -28,6 +28,9 @@ from shoecal_core.report.page import Group, Page, Section, Table
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import Shoe
 
+SHOWN_SIGNALS = 3
+"""Of the residuals in time, those that hold most of the gap; the others are folded."""
+
 
 def write_diagnosis_report(
     diagnosis: Diagnosis,
@@ -90,7 +93,11 @@ def _where(diagnosis: Diagnosis, robot: Robot, shoe: Shoe) -> Section:
         text = "What is left of each signal after gains and offsets were fitted."
         if quiet:
             text += f" Looked at and not more than noise: {'; '.join(quiet)}."
-        groups.append(Group("In time", text, pictures=time_pictures(diagnosis, evidence)))
+        pictures = time_pictures(diagnosis, evidence)
+        groups.append(Group("In time", text, pictures=pictures[:SHOWN_SIGNALS]))
+        if more := pictures[SHOWN_SIGNALS:]:
+            title = f"{len(more)} more signal{'s' if more[1:] else ''}"
+            groups.append(Group(title, pictures=more, folded=True))
     elif shares is not None:
         groups.append(Group("How much of it where", pictures=(shares,)))
     made_of = budget_table(diagnosis)
@@ -172,8 +179,11 @@ def _notes(diagnosis: Diagnosis, robot: Robot, shoe: Shoe) -> Section:
     if diagnosis.notes:
         rows = tuple((note,) for note in diagnosis.notes)
         tables.insert(0, Table("Missing or left out", ("",), rows))
-    return Section("Notes", (Group(tables=tuple(tables)),))
+    return Section("Notes", (Group("All notes", tables=tuple(tables), folded=True),))
 
 
 def _plain(title: str, table: Table | None, text: str) -> Section:
-    return Section(title, () if table is None else (Group(tables=(table,)),), text)
+    if table is None:
+        return Section(title, (), text)
+    count = f"{len(table.rows)} of them" if table.rows[1:] else "One of them"
+    return Section(title, (Group(count, tables=(table,), folded=True),), text)
