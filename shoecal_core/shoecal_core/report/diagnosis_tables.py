@@ -44,6 +44,9 @@ HIDDEN = (
     "imitate an effect that its model lacks."
 )
 
+LEAST_SHARE = 0.02
+"""Of a gap's mean square, that a source is listed from."""
+
 
 def causes_table(diagnosis: Diagnosis) -> Table:
     """What was found, and how much of it a calibration would have hidden."""
@@ -79,7 +82,10 @@ def budget_table(diagnosis: Diagnosis) -> Table | None:
             (candidate_text(Candidate(one.source, one.location, 0.0)), percent(one.cop_share),
              f"{percent(one.ci95[0])} to {percent(one.ci95[1])}")
             for one in diagnosis.budget
+            if abs(one.cop_share) >= LEAST_SHARE
         ),
+        f"Sources below {LEAST_SHARE:.0%} are left out; a share is negative where it makes up for "
+        "another.".replace("%", f"{SPACE}%"),
     )  # fmt: skip
 
 
