@@ -1,4 +1,4 @@
-"""Which effects are needed: the most probable one, then each further one in its company.
+"""Which effects are needed: the most probable one, then each further one with the others kept.
 
 Everything is judged in two ways: that nothing but it is wrong, or that something else is there as
 well (`scoring`). What explains most at a quick look is fitted in full.
@@ -37,12 +37,12 @@ LEAST_GAIN = -1.0
 
 @dataclass(frozen=True)
 class Judged:
-    """A hypothesis in the company of others.
+    """A hypothesis in addition to the other causes.
 
     Attributes:
-        scored: the company with it, in the more probable of both ways.
-        log: logarithm of its probability against the company alone, its prior included.
-        before: that company; without any a robot as built or something else, whichever is the more
+        scored: the other causes with it, in the more probable of both ways.
+        log: logarithm of its probability against the others alone, its prior included.
+        before: those others; without any a robot as built or something else, whichever is the more
             probable.
         predicted: logarithm of the probability of the runs left out with it, against without it;
             zero as long as they have not been looked at, and for what happened in one run.
@@ -60,7 +60,7 @@ class Judged:
 
     @property
     def part(self) -> Part:
-        """What was added to the company."""
+        """What was added to the other causes."""
         return self.scored.parts[-1]
 
 
@@ -199,30 +199,30 @@ def _found(workspace: Workspace, chosen: Scored | None, singles: Sequence[Judged
 
 def judged(
     workspace: Workspace,
-    company: Scored | None,
+    others: Scored | None,
     most: int = LOOKED_AT,
     each: int | None = PLACES_EACH,
 ) -> list[Judged]:
     """Hypotheses that make sense in addition to others that stay, the most probable first.
 
     Args:
-        company: what stays; None: a robot as built.
+        others: causes that stay; None: a robot as built.
         most: fitted in full, and one of each other effect that explains anything.
         each: places of one effect at most.
     """
     scorer = workspace.scorer
-    before = company or max((scorer.nothing, scorer.other), key=value)
-    parts = [one for one, _ in company.parts] if company is not None else []
+    before = others or max((scorer.nothing, scorer.other), key=value)
+    parts = [one for one, _ in others.parts] if others is not None else []
     effects = {one.effect.identifier for one in parts}
     places = {(one.effect.group, one.place) for one in parts if one.effect.group in SENSED}
     # What an effect leaves of itself at another place is no second one; nor is what is left of a
     # cell's law that has another form than the library has it in.
-    others = [
+    further = [
         one
         for one in workspace.catalogue.hypotheses
         if one.effect.identifier not in effects and (one.effect.group, one.place) not in places
     ]
-    glances = scorer.gains(others, company)
+    glances = scorer.gains(further, others)
     glances.sort(key=lambda one: one.gain + math.log(one.parts[0][0].prior), reverse=True)
     seen: Counter[str] = Counter()
     found = []
@@ -234,8 +234,8 @@ def judged(
         if each is not None and seen[effect] >= each:
             continue
         seen[effect] += 1
-        kept = company.parts if company is not None else ()
-        ways = [_best_way(workspace, (*kept, part), company) for part in glance.parts]
+        kept = others.parts if others is not None else ()
+        ways = [_best_way(workspace, (*kept, part), others) for part in glance.parts]
         scored = max((way for way in ways if way is not None), key=value, default=None)
         if scored is not None:
             log = value(scored) - value(before) + glance.alike + math.log(hypothesis.prior)
@@ -244,15 +244,15 @@ def judged(
     return found
 
 
-def over_all_runs(workspace: Workspace, company: Scored | None) -> list[Judged]:
+def over_all_runs(workspace: Workspace, others: Scored | None) -> list[Judged]:
     """The same, by how probable runs left out are with each as well: the most probable first.
 
     Errors as built are as large there as the fit has them, with a cause and without: by the chain
     rule this is the evidence of all runs.
     """
-    scorer, found = workspace.scorer, judged(workspace, company)
+    scorer, found = workspace.scorer, judged(workspace, others)
     if workspace.test:
-        before = (company,) if company is not None else (scorer.nothing, scorer.other)
+        before = (others,) if others is not None else (scorer.nothing, scorer.other)
         least = max(workspace.predicted(one, bounded=False) for one in before)
         for at, one in enumerate(found[:TESTED]):
             if one.part[1].shape.run is None:
@@ -295,13 +295,13 @@ def _moves(workspace: Workspace, added: FloatArray, runs: Sequence[int]) -> floa
     return max(cop, ARM_M * share)
 
 
-def _best_way(workspace: Workspace, parts: Sequence[Part], company: Scored | None) -> Scored | None:
+def _best_way(workspace: Workspace, parts: Sequence[Part], others: Scored | None) -> Scored | None:
     """Without or with something else in addition, whichever is more probable."""
     scorer = workspace.scorer
     # Where nothing else is seen, nothing else is seen next to an effect.
-    seen = scorer.other.evidence > 0.0 if company is None else company.other
+    seen = scorer.other.evidence > 0.0 if others is None else others.other
     both = (False, True) if seen else (False,)
-    ways = [scorer.score(parts, other=other, start=company) for other in both]
+    ways = [scorer.score(parts, other=other, start=others) for other in both]
     return max((way for way in ways if way.sensible), key=value, default=None)
 
 
