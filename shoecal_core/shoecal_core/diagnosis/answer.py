@@ -74,7 +74,7 @@ def answer(
     ranking = probabilities(found, 0) if found.alternatives else ()
     causes = [*certain, *causes_of(workspace, found)]
     if not causes:
-        there = _gapes(workspace, evident=found.other >= needed(settings))
+        there = _has_gap(workspace, evident=found.other >= needed(settings))
         return Answer("unknown" if there else "no_gap", ranking=ranking)
     ambiguity = ambiguity_set(ranking, settings) if found.chosen is not None else ()
     if certain:
@@ -85,16 +85,16 @@ def answer(
     if found.chosen is not None:
         left = _partly(workspace, found.chosen, settings)
     else:
-        left = _gapes(workspace, evident=found.other >= needed(settings))
+        left = _has_gap(workspace, evident=found.other >= needed(settings))
     if left:
         verdict = "partly_explained"
     return Answer(verdict, tuple(causes), ambiguity, ranking)
 
 
-def borne_out(
+def confirmed(
     workspace: Workspace, found: Selection, settings: DiagnosisSettings
 ) -> tuple[Selection, tuple[str, ...]]:
-    """Without causes that runs left out do not bear out, or in whose place there may be nothing.
+    """Without causes that runs left out do not confirm, or in whose place there may be nothing.
 
     Where the first one is, a robot as built has to be improbable enough; a further one has to be
     likely by itself, since only of the first one all that cannot be separated from it is listed.
@@ -130,7 +130,7 @@ def borne_out(
                     other = max(other, chosen.evidence)
         if why:
             left = replace(without(workspace, found, index), other=other)
-            left, others = borne_out(workspace, left, settings)
+            left, others = confirmed(workspace, left, settings)
             return left, (f"{hypothesis.label}: {why}: not named", *others)
     return found, ()
 
@@ -197,7 +197,7 @@ def ambiguity_set(
     return tuple(chosen)
 
 
-def _gapes(workspace: Workspace, *, evident: bool) -> bool:
+def _has_gap(workspace: Workspace, *, evident: bool) -> bool:
     """Whether CoP or GRF are off on runs left out by more than those of a robot as built.
 
     Args:
@@ -217,7 +217,7 @@ def _partly(workspace: Workspace, chosen: Scored, settings: DiagnosisSettings) -
         if added_evidence(chosen, alone) + LOG_ELSE >= needed(settings):
             return True
     happened = any(form.shape.run is not None for _, form in chosen.parts)
-    if happened or not _gapes(workspace, evident=True):
+    if happened or not _has_gap(workspace, evident=True):
         return False
     before, after = workspace.explained(None)[0], workspace.explained(chosen)[0]
     return shrink(workspace, before, after).fraction < EXPLAINED_FROM

@@ -6,10 +6,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from shoecal_core.diagnosis.action import action
-from shoecal_core.diagnosis.answer import answer, borne_out, causes_of
+from shoecal_core.diagnosis.answer import answer, causes_of, confirmed
 from shoecal_core.diagnosis.baseline import first_parameters
 from shoecal_core.diagnosis.budget import budget
-from shoecal_core.diagnosis.dissent import lowered, worse_runs
+from shoecal_core.diagnosis.dissent import less_probable, worse_runs
 from shoecal_core.diagnosis.evidence import evidence
 from shoecal_core.diagnosis.measured import MeasuredBefore, at_zeros, measure
 from shoecal_core.diagnosis.next_motion import propose
@@ -145,7 +145,7 @@ def diagnose(
     ]
     said = answer(best, certain, named, settings)
     if only is not None and not certain:
-        # For who asks how an effect would do, though nothing may bear it out.
+        # For who asks how an effect would do, though nothing may confirm it.
         asked = searched.at(found.stands(searched.scorer, settings))
         said = replace(said, causes=tuple(causes_of(asked, found)))
     progress("done", 1.0)
@@ -175,7 +175,7 @@ def diagnose(
         zeros=zeros,
         budget=budget(best, corrected_gap, chosen),
     )
-    diagnosis = lowered(diagnosis, worse) if said.causes else diagnosis
+    diagnosis = less_probable(diagnosis, worse) if said.causes else diagnosis
     return replace(diagnosis, action=action(diagnosis))
 
 
@@ -184,27 +184,27 @@ def _found(
 ) -> tuple[Selection, Selection, tuple[str, ...]]:
     """What is shown, what of it is named, and in words what is not."""
     if not asked:
-        named, denied = _borne_out(best, settings)
+        named, denied = _first_confirmed(best, settings)
         return named, named, denied
     shown = asked_for(best)
-    named, denied = borne_out(best, shown, settings)
+    named, denied = confirmed(best, shown, settings)
     # What was not needed is no evidence that anything is there.
     return shown, replace(named, other=shown.other), denied
 
 
-def _borne_out(
+def _first_confirmed(
     workspace: Workspace, settings: DiagnosisSettings
 ) -> tuple[Selection, tuple[str, ...]]:
-    """The most probable explanation that runs left out bear out; and in words which they do not.
+    """The most probable explanation that runs left out confirm; and in words which they do not.
 
-    Where they bear out none, the ranking is that of all hypotheses.
+    Where they confirm none, the ranking is that of all hypotheses.
     """
     singles = over_all_runs(workspace, None)
     first: Selection | None = None
     denied: dict[str, None] = {}
     for _ in range(TRIES):
         found = select(workspace, settings, singles)
-        named, reasons = borne_out(workspace, found, settings)
+        named, reasons = confirmed(workspace, found, settings)
         denied |= dict.fromkeys(reasons)
         if named.chosen is not None:
             return named, tuple(denied)

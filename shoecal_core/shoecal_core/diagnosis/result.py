@@ -300,7 +300,7 @@ class Diagnosis:
 
     @property
     def named(self) -> tuple[Cause, ...]:
-        """Causes without those that somebody asked for and nothing bears out."""
+        """Causes without those that somebody asked for and nothing confirms."""
         return () if self.verdict in ("no_gap", "unknown") else self.causes
 
     def to_json(self) -> dict[str, object]:
