@@ -20,7 +20,7 @@ from shoecal_core.diagnosis.selection import Selection, asked_for, over_all_runs
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.shaking import shaking
 from shoecal_core.diagnosis.shrink import gap, shrink
-from shoecal_core.diagnosis.stopped import Stopped, stopped
+from shoecal_core.diagnosis.stuck_cell import StuckChannel, stuck_cell
 from shoecal_core.diagnosis.weak_cells import weak_cells
 from shoecal_core.diagnosis.where import where
 from shoecal_core.diagnosis.workspace import Workspace, make_workspace
@@ -108,8 +108,8 @@ def diagnose(
     signal_model = make_signal_model(samples, first_parameters(samples, train), settings, without)
     wanted = only or (lambda _effect, _place: True)
     workspace = make_workspace(signal_model, effects, train, test, settings, tolerances, wanted)
-    halted = _halted(workspace, wanted)
-    looked_at = workspace.catalogue.hypotheses or workspace.catalogue.rewired or halted
+    stuck = _stuck_cell(workspace, wanted)
+    looked_at = workspace.catalogue.hypotheses or workspace.catalogue.rewired or stuck
     if only is not None and not looked_at:
         raise SessionError(
             session.folder,
@@ -124,9 +124,9 @@ def diagnose(
             workspace.signal_model.parameters, settings, weighs=weight_kg is None,
         )  # fmt: skip
     corrected = workspace
-    if halted is not None or known:
+    if stuck is not None or known:
         whole = known.corrected(samples)
-        whole = whole if halted is None else halted.corrected(whole)
+        whole = whole if stuck is None else stuck.corrected(whole)
         signal_model = make_signal_model(whole, first_parameters(whole, train), settings, without)
         corrected = make_workspace(signal_model, effects, train, test, settings, tolerances, wanted)
     before = preflight(corrected, settings)
@@ -139,7 +139,7 @@ def diagnose(
     best = searched.at(named.stands(searched.scorer, settings))
     certain = [
         *(known.causes(workspace, corrected, settings) if known else ()),
-        *(() if halted is None else (halted.cause(workspace, corrected),)),
+        *(() if stuck is None else (stuck.cause(workspace, corrected),)),
         *(() if exchange is None else (exchange.cause(corrected.explained(None)[0]),)),
         *weak_cells(best, wanted),
     ]
@@ -217,10 +217,10 @@ def _first_confirmed(
     return first, tuple(denied)
 
 
-def _halted(workspace: Workspace, wanted: Callable[[str, Place], bool]) -> Stopped | None:
+def _stuck_cell(workspace: Workspace, wanted: Callable[[str, Place], bool]) -> StuckChannel | None:
     """The cell that got stuck, if one did and it is looked for."""
     samples = workspace.signal_model.samples
-    found = stopped(samples)
+    found = stuck_cell(samples)
     if found is None or not wanted("stuck_cell", (samples.shoe.names[found.channel],)):
         return None
     return found
