@@ -15,12 +15,12 @@ from shoecal_core.diagnosis.measured import MeasuredBefore, at_zeros, measure
 from shoecal_core.diagnosis.next_motion import propose
 from shoecal_core.diagnosis.preflight import preflight
 from shoecal_core.diagnosis.result import Diagnosis
-from shoecal_core.diagnosis.rewiring import rewired
 from shoecal_core.diagnosis.selection import Selection, asked_for, over_all_runs, select
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.shaking import shaking
 from shoecal_core.diagnosis.shrink import gap, shrink
 from shoecal_core.diagnosis.stuck_cell import StuckChannel, stuck_cell
+from shoecal_core.diagnosis.swapped_channels import swapped_channels
 from shoecal_core.diagnosis.weak_cells import weak_cells
 from shoecal_core.diagnosis.where import where
 from shoecal_core.diagnosis.workspace import Workspace, make_workspace
@@ -109,7 +109,7 @@ def diagnose(
     wanted = only or (lambda _effect, _place: True)
     workspace = make_workspace(signal_model, effects, train, test, settings, tolerances, wanted)
     stuck = _stuck_cell(workspace, wanted)
-    looked_at = workspace.catalogue.hypotheses or workspace.catalogue.rewired or stuck
+    looked_at = workspace.catalogue.hypotheses or workspace.catalogue.swapped or stuck
     if only is not None and not looked_at:
         raise SessionError(
             session.folder,
@@ -131,8 +131,8 @@ def diagnose(
         corrected = make_workspace(signal_model, effects, train, test, settings, tolerances, wanted)
     before = preflight(corrected, settings)
     progress("trying every effect", 0.5)
-    exchange = rewired(corrected, effects, settings, wanted)
-    best = corrected if exchange is None else exchange.workspace
+    swap = swapped_channels(corrected, effects, settings, wanted)
+    best = corrected if swap is None else swap.workspace
     found, named, denied = _found(best, settings, asked=only is not None)
     progress("measuring the shrink", 0.8)
     searched = best
@@ -140,7 +140,7 @@ def diagnose(
     certain = [
         *(known.causes(workspace, corrected, settings) if known else ()),
         *(() if stuck is None else (stuck.cause(workspace, corrected),)),
-        *(() if exchange is None else (exchange.cause(corrected.explained(None)[0]),)),
+        *(() if swap is None else (swap.cause(corrected.explained(None)[0]),)),
         *weak_cells(best, wanted),
     ]
     said = answer(best, certain, named, settings)
