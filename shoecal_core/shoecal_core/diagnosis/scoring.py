@@ -127,9 +127,10 @@ class Scored:
         return self.scorer.weighted(self.variance, self.levels)
 
     @cached_property
-    def strict(self) -> Scored:
-        """As if no group were worse than expected, nor errors as built worse than usual: a fit from
-        here tries to explain what is, while one that takes it for granted never would.
+    def at_nominal(self) -> Scored:
+        """At nominal tolerances: as if no group were worse than expected, nor errors as built worse
+        than usual. A fit from here tries to explain what is, while one that takes it for granted
+        never would.
         """
         levels = np.minimum(self.levels, LEVEL)
         return replace(self, variance=self.expected, levels=levels)
@@ -219,7 +220,7 @@ class Scorer:
     @cached_property
     def other(self) -> Scored:
         """Something else, and no effect that has a name."""
-        starts = (self.nothing, self.nothing.strict)
+        starts = (self.nothing, self.nothing.at_nominal)
         near = [self._fit((), start, ROUNDS, other=True) for start in starts]
         found = max(self._nothing(other=True), *near, key=lambda one: one.evidence)
         return replace(found, evidence=found.evidence - self._as_built)
@@ -241,7 +242,7 @@ class Scorer:
         if not parts:
             return self.other if other else self.nothing
         start = start or (self.other if other else self.nothing)
-        ways = [self._fit(parts, one, rounds, other=other) for one in (start, start.strict)]
+        ways = [self._fit(parts, one, rounds, other=other) for one in (start, start.at_nominal)]
         found = max(ways, key=lambda one: one.evidence)
         cost = sum(math.log(len(hypothesis.forms)) for hypothesis, _ in parts)
         return replace(found, evidence=found.evidence - self._as_built - cost)
@@ -415,7 +416,7 @@ class Scorer:
             kept: an explanation that stays; None: nothing.
         """
         kept = self.nothing if kept is None else kept
-        lefts = [self._left(one) for one in (kept, kept.strict)]
+        lefts = [self._left(one) for one in (kept, kept.at_nominal)]
         found: list[Glance] = []
         for hypothesis in hypotheses:
             each = [one for left in lefts if (one := _glance(left, hypothesis)) is not None]

@@ -1,6 +1,6 @@
 """Which effects are needed: the most probable one, then each further one with the others kept.
 
-Everything is judged in two ways: that nothing but it is wrong, or that something else is there as
+Everything is scored in two ways: that nothing but it is wrong, or that something else is there as
 well (`scoring`). What explains most at a quick look is fitted in full.
 """
 
@@ -36,7 +36,7 @@ LEAST_GAIN = -1.0
 
 
 @dataclass(frozen=True)
-class Judged:
+class Ranked:
     """A hypothesis in addition to the other causes.
 
     Attributes:
@@ -81,7 +81,7 @@ class Selection:
 
     chosen: Scored | None
     alternatives: tuple[tuple[tuple[Hypothesis, float], ...], ...]
-    singles: tuple[Judged, ...]
+    singles: tuple[Ranked, ...]
     other: float
     predicted: tuple[float, ...] = ()
 
@@ -93,14 +93,14 @@ class Selection:
 
 
 def select(
-    workspace: Workspace, settings: DiagnosisSettings, singles: Sequence[Judged] | None = None
+    workspace: Workspace, settings: DiagnosisSettings, singles: Sequence[Ranked] | None = None
 ) -> Selection:
     """Forward, one at a time; then what the others make superfluous goes.
 
     Args:
         workspace: all hypotheses.
         settings: of the diagnosis.
-        singles: those that may come first, judged by themselves; None: all.
+        singles: those that may come first, each ranked by itself; None: all.
     """
     singles = over_all_runs(workspace, None) if singles is None else singles
     chosen: Scored | None = None
@@ -126,7 +126,7 @@ def select(
 
 
 def _first(
-    workspace: Workspace, ranked: Sequence[Judged], settings: DiagnosisSettings
+    workspace: Workspace, ranked: Sequence[Ranked], settings: DiagnosisSettings
 ) -> int | None:
     """Place of the most probable hypothesis that is evident and matters.
 
@@ -183,11 +183,11 @@ def taken(
 
 def asked_for(workspace: Workspace) -> Selection:
     """The best of what is looked at, needed or not: for who asks of one effect how it would do."""
-    singles = judged(workspace, None, most=len(workspace.catalogue.hypotheses), each=None)
+    singles = rank(workspace, None, most=len(workspace.catalogue.hypotheses), each=None)
     return _found(workspace, singles[0].scored if singles else None, singles)
 
 
-def _found(workspace: Workspace, chosen: Scored | None, singles: Sequence[Judged]) -> Selection:
+def _found(workspace: Workspace, chosen: Scored | None, singles: Sequence[Ranked]) -> Selection:
     scorer = workspace.scorer
     return Selection(
         chosen,
@@ -197,12 +197,12 @@ def _found(workspace: Workspace, chosen: Scored | None, singles: Sequence[Judged
     )
 
 
-def judged(
+def rank(
     workspace: Workspace,
     others: Scored | None,
     most: int = LOOKED_AT,
     each: int | None = PLACES_EACH,
-) -> list[Judged]:
+) -> list[Ranked]:
     """Hypotheses that make sense in addition to others that stay, the most probable first.
 
     Args:
@@ -239,18 +239,18 @@ def judged(
         scored = max((way for way in ways if way is not None), key=value, default=None)
         if scored is not None:
             log = value(scored) - value(before) + glance.alike + math.log(hypothesis.prior)
-            found.append(Judged(scored, log, before))
+            found.append(Ranked(scored, log, before))
     found.sort(key=lambda one: one.log, reverse=True)
     return found
 
 
-def over_all_runs(workspace: Workspace, others: Scored | None) -> list[Judged]:
+def over_all_runs(workspace: Workspace, others: Scored | None) -> list[Ranked]:
     """The same, by how probable runs left out are with each as well: the most probable first.
 
     Errors as built are as large there as the fit has them, with a cause and without: by the chain
     rule this is the evidence of all runs.
     """
-    scorer, found = workspace.scorer, judged(workspace, others)
+    scorer, found = workspace.scorer, rank(workspace, others)
     if workspace.test:
         before = (others,) if others is not None else (scorer.nothing, scorer.other)
         least = max(workspace.predicted(one, bounded=False) for one in before)
@@ -315,7 +315,7 @@ def _pruned(workspace: Workspace, chosen: Scored, settings: DiagnosisSettings) -
 
 
 def _alternatives(
-    workspace: Workspace, chosen: Scored | None, singles: Sequence[Judged]
+    workspace: Workspace, chosen: Scored | None, singles: Sequence[Ranked]
 ) -> tuple[tuple[tuple[Hypothesis, float], ...], ...]:
     if chosen is None:
         return (tuple((one.part[0], one.total) for one in singles),) if singles else ()

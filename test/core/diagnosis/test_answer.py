@@ -22,7 +22,7 @@ from shoecal_core.diagnosis.answer import (
 from shoecal_core.diagnosis.diagnose import Wanted, diagnose
 from shoecal_core.diagnosis.result import Candidate
 from shoecal_core.diagnosis.scoring import Part
-from shoecal_core.diagnosis.selection import Judged, Selection, taken
+from shoecal_core.diagnosis.selection import Ranked, Selection, taken
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.shrink import FORCE_AND_PLACE
 from shoecal_core.diagnosis.tempering import needed, temper
@@ -120,7 +120,7 @@ def test_a_further_cause_is_probable_by_itself(urn: Urn, share: float, named: bo
         for one, probability in ((second, share), (rival, 1.0 - share))
     )
     chosen = drawn.scorer.score([first, second])
-    alone = Judged(drawn.scorer.score([first]), SURE, drawn.scorer.nothing)
+    alone = Ranked(drawn.scorer.score([first]), SURE, drawn.scorer.nothing)
     found = Selection(chosen, (((first[0], SURE),), alike), (alone,), -3.0)
     left, words = confirmed(drawn, found, SETTINGS)
     assert left.chosen is not None
@@ -144,7 +144,7 @@ def test_the_next_one_is_named_where_test_runs_refute_the_first(
 ) -> None:
     drawn = urn.draw(np.random.default_rng(5), TILT)
     true, wrong = (
-        Judged(drawn.scorer.score([one]), log, drawn.scorer.nothing)
+        Ranked(drawn.scorer.score([one]), log, drawn.scorer.nothing)
         for one, log in (
             (part(drawn, "floor_tilt"), 30.0),
             (part(drawn, "link_com (Neck_link)"), SURE),
