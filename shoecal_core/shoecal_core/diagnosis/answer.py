@@ -13,7 +13,7 @@ from shoecal_core.diagnosis.hypotheses import Form
 from shoecal_core.diagnosis.result import Candidate, Cause, Verdict
 from shoecal_core.diagnosis.scoring import Scored
 from shoecal_core.diagnosis.selection import (
-    LOG_ELSE,
+    LOG_UNMODELLED,
     Selection,
     added_evidence,
     fit_without,
@@ -74,7 +74,7 @@ def answer(
     ranking = probabilities(found, 0) if found.alternatives else ()
     causes = [*certain, *causes_of(workspace, found)]
     if not causes:
-        there = _has_gap(workspace, evident=found.other >= needed(settings))
+        there = _has_gap(workspace, evident=found.unmodelled >= needed(settings))
         return Answer("unknown" if there else "no_gap", ranking=ranking)
     ambiguity = ambiguity_set(ranking, settings) if found.chosen is not None else ()
     if certain:
@@ -85,7 +85,7 @@ def answer(
     if found.chosen is not None:
         left = _partly(workspace, found.chosen, settings)
     else:
-        left = _has_gap(workspace, evident=found.other >= needed(settings))
+        left = _has_gap(workspace, evident=found.unmodelled >= needed(settings))
     if left:
         verdict = "partly_explained"
     return Answer(verdict, tuple(causes), ambiguity, ranking)
@@ -112,7 +112,7 @@ def confirmed(
         rivals = probabilities(found, index)
         probable = sum(one.probability for one in rivals)
         own = sum(one.probability for one in rivals if one.effect == hypothesis.effect.identifier)
-        why, other = "", found.other
+        why, unmodelled = "", found.unmodelled
         if probable < (LIKELY if index else 1.0 - settings.false_alarms):
             why = f"with {1.0 - probable:.0%} it is an error that any robot may be built with"
         elif index and own < LIKELY:
@@ -127,9 +127,9 @@ def confirmed(
                 why = "explains training runs, but test runs do not confirm it"
                 # Not that, but something: a robot as built is as improbable as before.
                 if off:
-                    other = max(other, chosen.evidence)
+                    unmodelled = max(unmodelled, chosen.evidence)
         if why:
-            left = replace(without(workspace, found, index), other=other)
+            left = replace(without(workspace, found, index), unmodelled=unmodelled)
             left, others = confirmed(workspace, left, settings)
             return left, (f"{hypothesis.label}: {why}: not named", *others)
     return found, ()
@@ -146,7 +146,7 @@ def _predicted(workspace: Workspace, found: Selection, index: int) -> float:
     if not _judged_by_others(workspace, found.chosen.parts[index][1]):
         return 0.0
     left, scorer = fit_without(workspace, found.chosen, index), workspace.scorer
-    others = (left,) if left is not None else (scorer.nothing, scorer.other)
+    others = (left,) if left is not None else (scorer.nothing, scorer.unmodelled)
     chosen, *least = (workspace.predicted(one, bounded=True) for one in (found.chosen, *others))
     return chosen - max(least)
 
@@ -164,8 +164,8 @@ def causes_of(workspace: Workspace, found: Selection) -> list[Cause]:
 def probabilities(found: Selection, index: int) -> tuple[Candidate, ...]:
     """Of everything that could stand in a cause's place; what lacks is that there is none.
 
-    What a cause explains next to much stronger ones may be an error in their form; something else
-    has none. Runs left out speak for all of them or for none.
+    What a cause explains next to much stronger ones may be an error in their form; an
+    unmodelled term has none. Runs left out speak for all of them or for none.
     """
     alternatives = found.alternatives[index]
     best = max((log for _, log in alternatives), default=0.0)
@@ -180,7 +180,7 @@ def probabilities(found: Selection, index: int) -> tuple[Candidate, ...]:
 
 
 def _named_evidence(chosen: Scored) -> float:
-    return chosen.evidence - (chosen.scorer.other.evidence if chosen.other else 0.0)
+    return chosen.evidence - (chosen.scorer.unmodelled.evidence if chosen.unmodelled else 0.0)
 
 
 def ambiguity_set(
@@ -212,9 +212,9 @@ def _has_gap(workspace: Workspace, *, evident: bool) -> bool:
 
 def _partly(workspace: Workspace, chosen: Scored, settings: DiagnosisSettings) -> bool:
     """Whether something is left; what happened once, in a run that was fitted, does not count."""
-    if chosen.other:
+    if chosen.unmodelled:
         alone = workspace.scorer.score(chosen.parts, start=chosen)
-        if added_evidence(chosen, alone) + LOG_ELSE >= needed(settings):
+        if added_evidence(chosen, alone) + LOG_UNMODELLED >= needed(settings):
             return True
     happened = any(form.shape.run is not None for _, form in chosen.parts)
     if happened or not _has_gap(workspace, evident=True):

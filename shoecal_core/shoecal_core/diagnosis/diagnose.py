@@ -189,7 +189,7 @@ def _found(
     shown = asked_for(best)
     named, denied = confirmed(best, shown, settings)
     # What was not needed is no evidence that anything is there.
-    return shown, replace(named, other=shown.other), denied
+    return shown, replace(named, unmodelled=shown.unmodelled), denied
 
 
 def _first_confirmed(

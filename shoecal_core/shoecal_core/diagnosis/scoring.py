@@ -12,8 +12,8 @@ P0 itself is known to a factor only: a band's variance P has a scaled inverse ch
 FREEDOM degrees about P0 (Gelman et al., Bayesian Data Analysis, 3rd ed., 2013, sec. 2.6). The
 evidence integrates b, a, x out (Laplace) and takes levels and P at their most probable values.
 
-*Something else* is a hypothesis as well: a term in any signal that is smooth in time, of unknown
-course and unknown size.
+An *unmodelled term* is a hypothesis as well: a term in any signal that is smooth in time, of
+unknown course and unknown size.
 
 What is measured stands in the residuals times the gains; gains that shrink it would shrink its
 noise too, and look right for that alone (errors in variables; Fuller, Measurement Error Models,
@@ -57,10 +57,10 @@ MODEL_LEVELS = (1.0, 0.5, 0.25, 0.12)
 """Of what a model lacks in a signal, over the usual; with a log-normal prior of unit deviation."""
 BODILESS = frozenset((GRF.start, *range(AIR.start, AIR.stop), *range(PARITY.start, PARITY.stop)))
 """Signals that hang on cells and weight alone: there the model may be far better than usual."""
-ELSE_LEVELS = (2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
-"""The same where something else is there."""
-ELSE_COST = 1.0
-"""Logarithm of probability that something else costs in each signal that it is in."""
+UNMODELLED_LEVELS = (2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
+"""The same where an unmodelled term is there."""
+UNMODELLED_COST = 1.0
+"""Logarithm of probability that an unmodelled term costs in each signal that it is in."""
 ROUNDS, NEXT_ROUNDS = 8, 4
 """Steps of a fit from anywhere, and of one that begins where a like one ended."""
 SETTLED = 0.05
@@ -82,7 +82,7 @@ class Scored:
         form_level: (G,) of the forms of as-built errors, in each signal.
         model_level: (G,) of what the model lacks in each signal.
         rest: (R,) coefficients that are left.
-        other: with something else as well.
+        unmodelled: with an unmodelled term as well.
         log_likelihood: (G,) of each group.
     """
 
@@ -96,7 +96,7 @@ class Scored:
     form_level: FloatArray
     model_level: FloatArray
     rest: FloatArray
-    other: bool
+    unmodelled: bool
     log_likelihood: FloatArray
 
     @property
@@ -213,46 +213,49 @@ class Scorer:
     def __init__(self, rows: Rows, channels: int, withheld: Rows | None = None) -> None:
         self.rows, self.channels, self.withheld = rows, channels, withheld
         self.basis = make_basis(rows, 2 * channels, withheld)
-        found = self._nothing(other=False)
+        found = self._nothing(unmodelled=False)
         self._as_built = found.evidence
         self.nothing = replace(found, evidence=0.0)
 
     @cached_property
-    def other(self) -> Scored:
-        """Something else, and no effect that has a name."""
+    def unmodelled(self) -> Scored:
+        """An unmodelled term, and no effect that has a name."""
         starts = (self.nothing, self.nothing.at_nominal)
-        near = [self._fit((), start, ROUNDS, other=True) for start in starts]
-        found = max(self._nothing(other=True), *near, key=lambda one: one.evidence)
+        near = [self._fit((), start, ROUNDS, unmodelled=True) for start in starts]
+        found = max(self._nothing(unmodelled=True), *near, key=lambda one: one.evidence)
         return replace(found, evidence=found.evidence - self._as_built)
 
     def score(
         self,
         parts: Sequence[Part],
         *,
-        other: bool = False,
+        unmodelled: bool = False,
         start: Scored | None = None,
         rounds: int = NEXT_ROUNDS,
     ) -> Scored:
         """Fit some forms together.
 
         Args:
-            other: with something else as well.
+            unmodelled: with an unmodelled term as well.
             start: where variances and levels are begun with.
         """
         if not parts:
-            return self.other if other else self.nothing
-        start = start or (self.other if other else self.nothing)
-        ways = [self._fit(parts, one, rounds, other=other) for one in (start, start.at_nominal)]
+            return self.unmodelled if unmodelled else self.nothing
+        start = start or (self.unmodelled if unmodelled else self.nothing)
+        ways = [
+            self._fit(parts, one, rounds, unmodelled=unmodelled)
+            for one in (start, start.at_nominal)
+        ]
         found = max(ways, key=lambda one: one.evidence)
         cost = sum(math.log(len(hypothesis.forms)) for hypothesis, _ in parts)
         return replace(found, evidence=found.evidence - self._as_built - cost)
 
-    def _nothing(self, *, other: bool) -> Scored:
+    def _nothing(self, *, unmodelled: bool) -> Scored:
         rows = self.rows
         raw = rows.squares(rows.residuals) / rows.count
         variance = np.maximum(rows.noise + rows.smooth + rows.form, LEAST_SHARE * raw)
         levels = np.minimum(np.full(len(rows.most_level), FIRST_LEVEL), rows.most_level)
-        return self._fit((), (variance, levels), ROUNDS, other=other)
+        return self._fit((), (variance, levels), ROUNDS, unmodelled=unmodelled)
 
     def weighted(self, variance: FloatArray, levels: FloatArray) -> _Weighted:
         """The baseline under variances (G,), with as-built errors at levels (F,)."""
@@ -266,7 +269,7 @@ class Scorer:
         start: Scored | tuple[FloatArray, FloatArray],
         rounds: int,
         *,
-        other: bool,
+        unmodelled: bool,
     ) -> Scored:
         """Fit at some variances and levels, take those that are most probable then, fit again.
 
@@ -298,7 +301,9 @@ class Scorer:
             own = rows.squares(added - basis.columns @ absorbed) / rows.count
             moved = vector[:own_count] + rows.away[:own_count]
             power = rows.squares(rest) / rows.scales(moved) ** 2
-            spread = self._spread(power, rows.smooth + FORM**2 * own, variance, other=other)
+            spread = self._spread(
+                power, rows.smooth + FORM**2 * own, variance, unmodelled=unmodelled
+            )
             prior = 0.5 * float((vector**2 * weighted.posterior.precision).sum())
             prior += 0.5 * float(((sizes / std) ** 2).sum())
             volume = weighted.posterior.half_log_volume + inner.half_log_volume
@@ -306,7 +311,7 @@ class Scorer:
             found = Scored(
                 self, tuple(parts), np.concatenate((vector, sizes)),
                 likely - prior - volume - _level_cost(levels), levels, variance,
-                spread.expected, spread.form_level, spread.model_level, rest, other,
+                spread.expected, spread.form_level, spread.model_level, rest, unmodelled,
                 spread.log_likelihood,
             )  # fmt: skip
             gain = np.inf if best is None else found.evidence - best.evidence
@@ -331,18 +336,18 @@ class Scorer:
         return found
 
     def _spread(
-        self, power: FloatArray, lacking: FloatArray, variance: FloatArray, *, other: bool
+        self, power: FloatArray, lacking: FloatArray, variance: FloatArray, *, unmodelled: bool
     ) -> _Spread:
         """What each group most probably has, for sums of squares (G,).
 
         Of every signal forms are as far off as they usually are or less, and the model lacks as
-        much as it usually does; where no body is in the model, perhaps less; where something else
-        is there, perhaps more.
+        much as it usually does; where no body is in the model, perhaps less; where an unmodelled
+        term is there, perhaps more.
 
         Args:
             lacking: (G,) variance that the model usually lacks.
             variance: (G,) of which the likelihood is wanted.
-            other: whether something else is there.
+            unmodelled: whether an unmodelled term is there.
         """
         rows = self.rows
         found = _Spread(*(np.empty_like(power) for _ in range(5)))
@@ -350,12 +355,12 @@ class Scorer:
             here = rows.signal == signal
             squares, count, most = power[here], rows.count[here], rows.most[here]
             models = MODEL_LEVELS if signal in BODILESS else MODEL_LEVELS[:1]
-            form, model = _grid(models, ELSE_LEVELS if other else ())
+            form, model = _grid(models, UNMODELLED_LEVELS if unmodelled else ())
             usual = np.minimum(model, 1.0)
             expected = rows.noise[here] + form**2 * rows.form[here] + usual**2 * lacking[here]
             more = np.where(model > 1.0, model, 0.0)
             middle = expected + more**2 * rows.smooth[here]
-            cost = np.where(model > 1.0, ELSE_COST, 0.5 * np.log(usual) ** 2)
+            cost = np.where(model > 1.0, UNMODELLED_COST, 0.5 * np.log(usual) ** 2)
             cost = (cost + 0.5 * np.log(form) ** 2)[:, 0]
             free = most_probable(squares, middle, count, most)
             best = int(np.argmax(log_likelihood(free, squares, middle, count).sum(axis=1) - cost))
@@ -469,9 +474,9 @@ def _level_cost(levels: FloatArray) -> float:
 
 
 @cache
-def _grid(models: Sequence[float], others: Sequence[float]) -> tuple[FloatArray, FloatArray]:
+def _grid(models: Sequence[float], unmodelled: Sequence[float]) -> tuple[FloatArray, FloatArray]:
     """(L, 1) each, of all pairs: levels of forms, and of what the model lacks."""
-    pairs = np.array(list(itertools.product(FORM_LEVELS, (*models, *others))))
+    pairs = np.array(list(itertools.product(FORM_LEVELS, (*models, *unmodelled))))
     return pairs[:, :1], pairs[:, 1:]
 
 

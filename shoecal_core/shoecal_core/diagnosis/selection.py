@@ -1,7 +1,7 @@
 """Which effects are needed: the most probable one, then each further one with the others kept.
 
-Everything is scored in two ways: that nothing but it is wrong, or that something else is there as
-well (`scoring`). What explains most at a quick look is fitted in full.
+Everything is scored in two ways: that nothing but it is wrong, or that an unmodelled term is there
+as well (`scoring`). What explains most at a quick look is fitted in full.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.error_sources.signals import COP, GRF
 
 FloatArray = NDArray[np.float64]
-LOG_ELSE = math.log(0.05)
+LOG_UNMODELLED = math.log(0.05)
 """Of the probability, beforehand, that something is there which the library has not."""
 LOOKED_AT, PLACES_EACH = 14, 5
 """Hypotheses that are fitted in full, and of one effect at most."""
@@ -42,8 +42,8 @@ class Ranked:
     Attributes:
         scored: the other causes with it, in the more probable of both ways.
         log: logarithm of its probability against the others alone, its prior included.
-        before: those others; without any a robot as built or something else, whichever is the more
-            probable.
+        before: those others; without any a robot as built or an unmodelled term, whichever is the
+            more probable.
         predicted: logarithm of the probability of the runs left out with it, against without it;
             zero as long as they have not been looked at, and for what happened in one run.
     """
@@ -73,7 +73,7 @@ class Selection:
         alternatives: for each cause, every hypothesis in its place with the other causes kept, the
             most probable first, with the logarithm of its probability against having none there.
         singles: every hypothesis by itself, the most probable first.
-        other: logarithm of the probability that something moves CoP or GRF that was not chosen,
+        unmodelled: logarithm of the probability that what was not chosen moves CoP or GRF,
             against a robot as built.
         predicted: for each cause, logarithm of the probability of the runs left out against having
             none there; empty as long as they have not been looked at.
@@ -82,14 +82,14 @@ class Selection:
     chosen: Scored | None
     alternatives: tuple[tuple[tuple[Hypothesis, float], ...], ...]
     singles: tuple[Ranked, ...]
-    other: float
+    unmodelled: float
     predicted: tuple[float, ...] = ()
 
     def stands(self, scorer: Scorer, settings: DiagnosisSettings) -> Scored:
-        """What is most probable: the causes, something else, or a robot as built."""
+        """What is most probable: the causes, an unmodelled term, or a robot as built."""
         if self.chosen is not None:
             return self.chosen
-        return scorer.other if self.other >= needed(settings) else scorer.nothing
+        return scorer.unmodelled if self.unmodelled >= needed(settings) else scorer.nothing
 
 
 def select(
@@ -121,7 +121,7 @@ def select(
     sure = [one for one in singles if one.log >= needed(settings)]
     if chosen is None and any(material(workspace, one.scored, settings) for one in sure):
         # None of these explains it, but they say that something is there.
-        found = replace(found, other=max(found.other, sure[0].log))
+        found = replace(found, unmodelled=max(found.unmodelled, sure[0].log))
     return found
 
 
@@ -154,7 +154,7 @@ def fit_without(workspace: Workspace, chosen: Scored, index: int) -> Scored | No
     others = [part for at, part in enumerate(chosen.parts) if at != index]
     if not others:
         return None
-    near = workspace.scorer.score(others, other=chosen.other, start=chosen)
+    near = workspace.scorer.score(others, unmodelled=chosen.unmodelled, start=chosen)
     ways = (near if near.sensible else None, _best_way(workspace, others, None))
     return max((way for way in ways if way is not None), key=value, default=None)
 
@@ -193,7 +193,7 @@ def _found(workspace: Workspace, chosen: Scored | None, singles: Sequence[Ranked
         chosen,
         _alternatives(workspace, chosen, singles),
         tuple(singles),
-        added_evidence(scorer.other, scorer.nothing) + LOG_ELSE,
+        added_evidence(scorer.unmodelled, scorer.nothing) + LOG_UNMODELLED,
     )
 
 
@@ -211,7 +211,7 @@ def rank(
         each: places of one effect at most.
     """
     scorer = workspace.scorer
-    before = others or max((scorer.nothing, scorer.other), key=value)
+    before = others or max((scorer.nothing, scorer.unmodelled), key=value)
     parts = [one for one, _ in others.parts] if others is not None else []
     effects = {one.effect.identifier for one in parts}
     places = {(one.effect.group, one.place) for one in parts if one.effect.group in SENSED}
@@ -252,7 +252,7 @@ def over_all_runs(workspace: Workspace, others: Scored | None) -> list[Ranked]:
     """
     scorer, found = workspace.scorer, rank(workspace, others)
     if workspace.test:
-        before = (others,) if others is not None else (scorer.nothing, scorer.other)
+        before = (others,) if others is not None else (scorer.nothing, scorer.unmodelled)
         least = max(workspace.predicted(one, bounded=False) for one in before)
         for at, one in enumerate(found[:TESTED]):
             if one.part[1].shape.run is None:
@@ -262,8 +262,8 @@ def over_all_runs(workspace: Workspace, others: Scored | None) -> list[Ranked]:
 
 
 def value(scored: Scored) -> float:
-    """Evidence, and what something else costs beforehand where it is there as well."""
-    return scored.evidence + (LOG_ELSE if scored.other else 0.0)
+    """Evidence, and what an unmodelled term costs beforehand where it is there as well."""
+    return scored.evidence + (LOG_UNMODELLED if scored.unmodelled else 0.0)
 
 
 def added_evidence(scored: Scored, before: Scored) -> float:
@@ -296,12 +296,12 @@ def _moves(workspace: Workspace, added: FloatArray, runs: Sequence[int]) -> floa
 
 
 def _best_way(workspace: Workspace, parts: Sequence[Part], others: Scored | None) -> Scored | None:
-    """Without or with something else in addition, whichever is more probable."""
+    """Without or with an unmodelled term in addition, whichever is more probable."""
     scorer = workspace.scorer
     # Where nothing else is seen, nothing else is seen next to an effect.
-    seen = scorer.other.evidence > 0.0 if others is None else others.other
+    seen = scorer.unmodelled.evidence > 0.0 if others is None else others.unmodelled
     both = (False, True) if seen else (False,)
-    ways = [scorer.score(parts, other=other, start=others) for other in both]
+    ways = [scorer.score(parts, unmodelled=one, start=others) for one in both]
     return max((way for way in ways if way.sensible), key=value, default=None)
 
 

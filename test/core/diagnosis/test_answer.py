@@ -36,9 +36,9 @@ SURE = 1e5
 """Logarithm of probability that leaves no doubt of anything in the library."""
 
 
-def nothing(other: float) -> Selection:
-    """Nothing chosen; something else as probable as told."""
-    return Selection(None, (), (), other)
+def nothing(unmodelled: float) -> Selection:
+    """Nothing chosen; an unmodelled term as probable as given."""
+    return Selection(None, (), (), unmodelled)
 
 
 def found_in(workspace: Workspace, *labels: str, evidence: Sequence[float] = (SURE,)) -> Selection:

@@ -44,7 +44,7 @@ def test_an_urn_s_sums_are_those_of_its_residuals(urn: Urn) -> None:
 def test_of_noise_nothing_is_selected(urn: Urn, seed: int) -> None:
     found = select(urn.draw(np.random.default_rng(seed)), SETTINGS)
     assert found.chosen is None
-    assert found.other < needed(SETTINGS)
+    assert found.unmodelled < needed(SETTINGS)
 
 
 @pytest.mark.parametrize("label", TRUTHS)
