@@ -1,4 +1,4 @@
-"""What is answered, by how probable a robot as built is, and what else explains the session."""
+"""The answer: how probable a robot within tolerance is, and what else explains the session."""
 
 from __future__ import annotations
 
@@ -96,8 +96,9 @@ def confirmed(
 ) -> tuple[Selection, tuple[str, ...]]:
     """Without causes that runs left out do not confirm, or in whose place there may be nothing.
 
-    Where the first one is, a robot as built has to be improbable enough; a further one has to be
-    likely by itself, since only of the first one all that cannot be separated from it is listed.
+    Where the first one is, a robot within tolerance has to be improbable enough; a further one has
+    to be likely by itself, since only of the first one all that cannot be separated from it is
+    listed.
 
     Returns:
         What stays, and in words what went.
@@ -125,7 +126,7 @@ def confirmed(
             shrinks = shrinks and gone >= CLAIMED * added
             if not shrinks or found.predicted[index] <= 0.0:
                 why = "explains training runs, but test runs do not confirm it"
-                # Not that, but something: a robot as built is as improbable as before.
+                # Not that, but something: a robot within tolerance is as improbable as before.
                 if off:
                     unmodelled = max(unmodelled, chosen.evidence)
         if why:
@@ -198,7 +199,7 @@ def ambiguity_set(
 
 
 def _has_gap(workspace: Workspace, *, evident: bool) -> bool:
-    """Whether CoP or GRF are off on runs left out by more than those of a robot as built.
+    """Whether CoP or GRF are off on runs left out by more than those of a robot within tolerance.
 
     Args:
         evident: the training runs show that something is wrong; else it takes twice as much.

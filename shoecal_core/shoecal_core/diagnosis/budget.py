@@ -1,4 +1,4 @@
-"""What the CoP's gap is made of: causes, errors as built by source, and what nothing explains.
+"""What the CoP's gap is made of: causes, tolerance errors by source, and what nothing explains.
 
 Of residuals r and a source's contribution c (T, 2) the share is  sum(r c) / sum(r^2):  shares of
 everything together add up to 1, and a source that works against the others has a negative one.
@@ -28,7 +28,7 @@ def budget(
     """Shares of the CoP's mean square on the test runs, the largest first.
 
     Args:
-        workspace: with errors as built as the explanation leaves them.
+        workspace: with tolerance errors as the explanation leaves them.
         rest: (T, s) residuals with nothing added.
         chosen: the explanation.
     """

@@ -166,7 +166,7 @@ class BudgetShare:
     """What one source holds of the CoP's gap.
 
     Attributes:
-        source: an effect, as a cause or as an error as built; or `other errors as built`, or
+        source: an effect, as a cause or as a tolerance error; or `other errors as built`, or
             `not explained`.
         location: its place; empty for all places together.
         cop_share: of the mean square on the test runs; negative where it works against others.

@@ -1,11 +1,11 @@
-"""How probable the recorded signals are under an explanation, on a robot as built.
+"""How probable the recorded signals are under an explanation, on a robot within tolerance.
 
 Residuals are  r = B b + A a + X x + e:  gains, offsets and what any recording holds (B); errors
 that every robot has, a ~ N(0, level^2 tolerance^2), each family of sources at a level of its own
 (A); the effects of the explanation, x ~ N(0, prior^2) (X); and e, of which each cosine coefficient
 of a signal has in its band the variance
 
-    P0 = noise + model error + (what as-built errors add in another form than A has)^2
+    P0 = noise + model error + (what tolerance errors add in another form than A has)^2
                              + (what the effects add in another form than X has)^2
 
 P0 itself is known to a factor only: a band's variance P has a scaled inverse chi-squared prior of
@@ -51,7 +51,7 @@ LEVEL, LEVEL_FREEDOM = 0.7, 3.0
 """Usual level of the tolerances, and by how many degrees of freedom it is known."""
 LEAST_LEVEL, FIRST_LEVEL = 0.05, 1.5
 FORM_LEVELS = (1.0, 0.5, 0.25, 0.12)
-"""Of each signal, factors on what form errors of as-built sources add to it; their logarithms have
+"""Of each signal, factors on what tolerance errors add to it in another form; their logarithms have
 a normal prior of unit deviation."""
 MODEL_LEVELS = (1.0, 0.5, 0.25, 0.12)
 """Of what a model lacks in a signal, over the usual; with a log-normal prior of unit deviation."""
@@ -76,10 +76,10 @@ class Scored:
         scorer: what scored them.
         parts: hypotheses with the form chosen of each.
         vector: (p + k,) of the baseline and of all their columns.
-        evidence: logarithm, against a robot as built.
-        levels: (F,) of the families of as-built errors.
+        evidence: logarithm, against a robot within tolerance.
+        levels: (F,) of the families of tolerance errors.
         variance: (G,) of the groups. expected: (G,) what it was expected to be.
-        form_level: (G,) of the forms of as-built errors, in each signal.
+        form_level: (G,) of the forms of tolerance errors, in each signal.
         model_level: (G,) of what the model lacks in each signal.
         rest: (R,) coefficients that are left.
         unmodelled: with an unmodelled term as well.
@@ -128,9 +128,9 @@ class Scored:
 
     @cached_property
     def at_nominal(self) -> Scored:
-        """At nominal tolerances: as if no group were worse than expected, nor errors as built worse
-        than usual. A fit from here tries to explain what is, while one that takes it for granted
-        never would.
+        """At nominal tolerances: as if no group were worse than expected, nor tolerance errors
+        larger than usual. A fit from here tries to explain what is, while one that takes it for
+        granted never would.
         """
         levels = np.minimum(self.levels, LEVEL)
         return replace(self, variance=self.expected, levels=levels)
@@ -214,7 +214,7 @@ class Scorer:
         self.rows, self.channels, self.withheld = rows, channels, withheld
         self.basis = make_basis(rows, 2 * channels, withheld)
         found = self._nothing(unmodelled=False)
-        self._as_built = found.evidence
+        self._base_evidence = found.evidence
         self.nothing = replace(found, evidence=0.0)
 
     @cached_property
@@ -223,7 +223,7 @@ class Scorer:
         starts = (self.nothing, self.nothing.at_nominal)
         near = [self._fit((), start, ROUNDS, unmodelled=True) for start in starts]
         found = max(self._nothing(unmodelled=True), *near, key=lambda one: one.evidence)
-        return replace(found, evidence=found.evidence - self._as_built)
+        return replace(found, evidence=found.evidence - self._base_evidence)
 
     def score(
         self,
@@ -248,7 +248,7 @@ class Scorer:
         ]
         found = max(ways, key=lambda one: one.evidence)
         cost = sum(math.log(len(hypothesis.forms)) for hypothesis, _ in parts)
-        return replace(found, evidence=found.evidence - self._as_built - cost)
+        return replace(found, evidence=found.evidence - self._base_evidence - cost)
 
     def _nothing(self, *, unmodelled: bool) -> Scored:
         rows = self.rows
@@ -258,7 +258,7 @@ class Scorer:
         return self._fit((), (variance, levels), ROUNDS, unmodelled=unmodelled)
 
     def weighted(self, variance: FloatArray, levels: FloatArray) -> _Weighted:
-        """The baseline under variances (G,), with as-built errors at levels (F,)."""
+        """The baseline under variances (G,), with tolerance errors at levels (F,)."""
         each = COUNTS / variance
         posterior = Posterior(self.basis.normal(each), self.basis.prior(levels))
         return _Weighted(each, posterior)
@@ -327,7 +327,7 @@ class Scorer:
         return replace(best, vector=self._whole(chosen) @ vector)
 
     def _whole(self, chosen: Sequence[int]) -> FloatArray:
-        """(p + k, p + k) that takes errors as built for a part of the effects that they are."""
+        """(p + k, p + k) that takes tolerance errors for a part of the effects that they are."""
         base = self.rows.base.shape[1]
         found = np.eye(base + len(chosen))
         for at, column in enumerate(chosen, base):
@@ -373,7 +373,7 @@ class Scorer:
         return found
 
     def _levels(self, weighted: _Weighted, vector: FloatArray) -> FloatArray:
-        """(F,) most probable levels of as-built errors, by those that the signals determine.
+        """(F,) most probable levels of tolerance errors, by those that the signals determine.
 
         The fixed point of MacKay (Neural Computation 4:415, 1992).
         """

@@ -42,8 +42,8 @@ class Ranked:
     Attributes:
         scored: the other causes with it, in the more probable of both ways.
         log: logarithm of its probability against the others alone, its prior included.
-        before: those others; without any a robot as built or an unmodelled term, whichever is the
-            more probable.
+        before: those others; without any a robot within tolerance or an unmodelled term,
+            whichever is the more probable.
         predicted: logarithm of the probability of the runs left out with it, against without it;
             zero as long as they have not been looked at, and for what happened in one run.
     """
@@ -74,7 +74,7 @@ class Selection:
             most probable first, with the logarithm of its probability against having none there.
         singles: every hypothesis by itself, the most probable first.
         unmodelled: logarithm of the probability that what was not chosen moves CoP or GRF,
-            against a robot as built.
+            against a robot within tolerance.
         predicted: for each cause, logarithm of the probability of the runs left out against having
             none there; empty as long as they have not been looked at.
     """
@@ -86,7 +86,7 @@ class Selection:
     predicted: tuple[float, ...] = ()
 
     def stands(self, scorer: Scorer, settings: DiagnosisSettings) -> Scored:
-        """What is most probable: the causes, an unmodelled term, or a robot as built."""
+        """What is most probable: the causes, an unmodelled term, or a robot within tolerance."""
         if self.chosen is not None:
             return self.chosen
         return scorer.unmodelled if self.unmodelled >= needed(settings) else scorer.nothing
@@ -206,7 +206,7 @@ def rank(
     """Hypotheses that make sense in addition to others that stay, the most probable first.
 
     Args:
-        others: causes that stay; None: a robot as built.
+        others: causes that stay; None: a robot within tolerance.
         most: fitted in full, and one of each other effect that explains anything.
         each: places of one effect at most.
     """
@@ -247,7 +247,7 @@ def rank(
 def over_all_runs(workspace: Workspace, others: Scored | None) -> list[Ranked]:
     """The same, by how probable runs left out are with each as well: the most probable first.
 
-    Errors as built are as large there as the fit has them, with a cause and without: by the chain
+    Tolerance errors are as large there as the fit has them, with a cause and without: by the chain
     rule this is the evidence of all runs.
     """
     scorer, found = workspace.scorer, rank(workspace, others)
