@@ -20,6 +20,7 @@ FloatArray = NDArray[np.float64]
 LEAST_SHARE = 0.05
 """Smaller ones of a source are put together over its places."""
 MOST = 12
+"""Sources that are listed by themselves."""
 
 
 def budget(

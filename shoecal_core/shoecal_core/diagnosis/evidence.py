@@ -16,6 +16,7 @@ from shoecal_core.shoe.wrench import cop
 
 FloatArray = NDArray[np.float64]
 RIVALS = 4
+"""Hypotheses whose fit is shown next to the chosen one."""
 
 
 def evidence(workspace: Workspace, chosen: Scored | None, rivals: Sequence[Scored]) -> Evidence:

@@ -15,6 +15,7 @@ from shoecal_core.error_sources.spectrum import BANDS
 
 FloatArray = NDArray[np.float64]
 ROUNDS = 6
+"""Steps by which the variances of bands settle."""
 BUILT_WITHIN = 2.0
 """Times its tolerance that a tolerance error may be: what is larger is none."""
 

@@ -44,6 +44,7 @@ CORNER_HZ = 0.5
 LEAST_SCALE, MOST_SCALE = 0.02, 3.0
 """Between which gains that a fit moves may scale what is measured."""
 LEAST_NORM = 1e-24
+"""Of a column of zeros, which is divided by."""
 
 
 @dataclass(frozen=True)

@@ -42,7 +42,8 @@ IntArray = NDArray[np.int64]
 Part = tuple[Hypothesis, Form]
 
 COUNTS = 0.15
-"""Of an independent coefficient, what one of a signal counts: signals are partly redundant."""
+"""Of an independent coefficient, what one of a signal counts: signals are partly redundant,
+motions repeat, and what a model lacks comes back with them."""
 FREEDOM = 5.0
 """Degrees of freedom by which a band's variance is known beforehand."""
 FORM = 0.25
@@ -50,6 +51,7 @@ FORM = 0.25
 LEVEL, LEVEL_FREEDOM = 0.7, 3.0
 """Usual level of the tolerances, and by how many degrees of freedom it is known."""
 LEAST_LEVEL, FIRST_LEVEL = 0.05, 1.5
+"""The smallest level that is found, and the one at which a fit from anywhere begins."""
 FORM_LEVELS = (1.0, 0.5, 0.25, 0.12)
 """Of each signal, factors on what tolerance errors add to it in another form; their logarithms have
 a normal prior of unit deviation."""
@@ -66,6 +68,7 @@ ROUNDS, NEXT_ROUNDS = 8, 4
 SETTLED = 0.05
 """Logarithm of evidence by which a fit that has settled still changes."""
 LEAST_SHARE = 0.02
+"""Of the mean square before any fit, the least variance with which one begins."""
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,9 @@ FloatArray = NDArray[np.float64]
 MEAN_NORM = float(np.sqrt(np.pi / 2.0))
 """Mean length of two normal numbers of unit deviation."""
 MEAN_SIZE = float(np.sqrt(2.0 / np.pi))
+"""Mean size of one."""
 DRAWS = 400
+"""Of the bootstrap."""
 FORCE_AND_PLACE = slice(GRF.start, COP.stop)
 
 

@@ -25,6 +25,7 @@ PLACES: tuple[tuple[str, str | None, slice], ...] = (
     ("tilt", None, TILT),
 )
 LEAST_SHARE = 0.02
+"""Of all excess, what a signal holds at least to be listed."""
 MOSTLY = 0.6
 """Share of a signal's excess in one run from which it counts as that run's."""
 
