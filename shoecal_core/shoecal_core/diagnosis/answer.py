@@ -21,7 +21,7 @@ from shoecal_core.diagnosis.selection import (
     without,
 )
 from shoecal_core.diagnosis.settings import DiagnosisSettings
-from shoecal_core.diagnosis.shrink import FORCE_AND_PLACE, excess, gap, judged, shrink
+from shoecal_core.diagnosis.shrink import FORCE_AND_PLACE, excess, gap, judged_runs, shrink
 from shoecal_core.diagnosis.sizes import sizes
 from shoecal_core.diagnosis.tempering import needed, shares, temper
 from shoecal_core.diagnosis.workspace import Workspace
@@ -118,7 +118,7 @@ def confirmed(
             why = f"with {1.0 - probable:.0%} it is an error that any robot may be built with"
         elif index and own < LIKELY:
             why = f"with {1.0 - own:.0%} it is another effect that comes on top"
-        if _judged_by_others(workspace, form):
+        if _shown_by_test_runs(workspace, form):
             parts = (GRF, COP, FORCE_AND_PLACE)
             *each, (_, gone, added) = taken(workspace, chosen, index, workspace.test, parts)
             off = [(there, less) for there, less, _ in each if there > LEAST_EXCESS]
@@ -136,7 +136,7 @@ def confirmed(
     return found, ()
 
 
-def _judged_by_others(workspace: Workspace, form: Form) -> bool:
+def _shown_by_test_runs(workspace: Workspace, form: Form) -> bool:
     """Whether runs left out show it: what happened once, in a run that was fitted, they do not."""
     return bool(workspace.test) and form.shape.run is None
 
@@ -144,7 +144,7 @@ def _judged_by_others(workspace: Workspace, form: Form) -> bool:
 def _predicted(workspace: Workspace, found: Selection, index: int) -> float:
     """Logarithm of the probability of the runs left out with a cause, against without it."""
     assert found.chosen is not None
-    if not _judged_by_others(workspace, found.chosen.parts[index][1]):
+    if not _shown_by_test_runs(workspace, found.chosen.parts[index][1]):
         return 0.0
     left, scorer = fit_without(workspace, found.chosen, index), workspace.scorer
     others = (left,) if left is not None else (scorer.nothing, scorer.unmodelled)
@@ -206,7 +206,7 @@ def _has_gap(workspace: Workspace, *, evident: bool) -> bool:
     """
     rest = workspace.explained(None)[0]
     if not evident:
-        return excess(workspace, rest, judged(workspace)) > SURELY
+        return excess(workspace, rest, judged_runs(workspace)) > SURELY
     size = gap(workspace, rest)
     return size.cop_mae_mm > size.cop_floor_mm or size.grf_mae_n > size.grf_floor_n
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.result import BudgetShare
 from shoecal_core.diagnosis.scoring import Scored
-from shoecal_core.diagnosis.shrink import judged
+from shoecal_core.diagnosis.shrink import judged_runs
 from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.error_sources.signals import COP
 from shoecal_core.samples.zeros import NORMAL_95
@@ -33,7 +33,7 @@ def budget(
         rest: (T, s) residuals with nothing added.
         chosen: the explanation.
     """
-    rows = workspace.rows_of(judged(workspace))
+    rows = workspace.rows_of(judged_runs(workspace))
     there = workspace.signal_model.mask[rows][:, COP]
     own = np.where(there, rest[rows][:, COP], 0.0)
     whole = float((own**2).sum())

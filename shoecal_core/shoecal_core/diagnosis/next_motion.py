@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from shoecal_core.diagnosis.candidates import WARM, YAWED
+from shoecal_core.diagnosis.possible_motions import WARM, YAWED
 from shoecal_core.diagnosis.result import Candidate, NextMotion
 from shoecal_core.error_sources.effects.contact import TURNED
 from shoecal_core.samples.known_weight import WEIGHTED

@@ -6,8 +6,8 @@ from itertools import combinations
 
 import pytest
 
-from shoecal_core.diagnosis.candidates import BY_HAND, STANCES, YAWED
 from shoecal_core.diagnosis.next_motion import SEPARATED_BY, UNLOADED, propose
+from shoecal_core.diagnosis.possible_motions import BY_HAND, STANCES, YAWED
 from shoecal_core.diagnosis.result import Candidate
 from shoecal_core.error_sources.effects.contact import TURNED
 from shoecal_core.error_sources.effects.known import EFFECTS
