@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.hidden import hidden_cop
 from shoecal_core.diagnosis.hypotheses import Form
-from shoecal_core.diagnosis.result import Candidate, Cause, Verdict
+from shoecal_core.diagnosis.result import Cause, NamedHypothesis, Verdict
 from shoecal_core.diagnosis.scoring import Scored
 from shoecal_core.diagnosis.selection import (
     LOG_UNMODELLED,
@@ -58,8 +58,8 @@ class Answer:
 
     verdict: Verdict
     causes: tuple[Cause, ...] = ()
-    ambiguity: tuple[Candidate, ...] = ()
-    ranking: tuple[Candidate, ...] = ()
+    ambiguity: tuple[NamedHypothesis, ...] = ()
+    ranking: tuple[NamedHypothesis, ...] = ()
 
 
 def answer(
@@ -79,7 +79,7 @@ def answer(
     ambiguity = ambiguity_set(ranking, settings) if found.chosen is not None else ()
     if certain:
         first = certain[0]
-        ambiguity = (Candidate(first.effect, first.location, first.probability),)
+        ambiguity = (NamedHypothesis(first.effect, first.location, first.probability),)
         ranking = (*ambiguity, *ranking)
     verdict: Verdict = "ambiguous" if len(ambiguity) > 1 else "explained"
     if found.chosen is not None:
@@ -162,7 +162,7 @@ def causes_of(workspace: Workspace, found: Selection) -> list[Cause]:
     ]
 
 
-def probabilities(found: Selection, index: int) -> tuple[Candidate, ...]:
+def probabilities(found: Selection, index: int) -> tuple[NamedHypothesis, ...]:
     """Of everything that could stand in a cause's place; what lacks is that there is none.
 
     What a cause explains next to much stronger ones may be an error in their form; an
@@ -175,7 +175,7 @@ def probabilities(found: Selection, index: int) -> tuple[Candidate, ...]:
     against = found.predicted[index] if found.predicted else 0.0
     each = shares([*(counts * log for _, log in alternatives), -counts * against])
     return tuple(
-        Candidate(hypothesis.effect.identifier, hypothesis.place, float(share))
+        NamedHypothesis(hypothesis.effect.identifier, hypothesis.place, float(share))
         for (hypothesis, _), share in zip(alternatives, each, strict=False)
     )
 
@@ -185,8 +185,8 @@ def _named_evidence(chosen: Scored) -> float:
 
 
 def ambiguity_set(
-    ranking: Sequence[Candidate], settings: DiagnosisSettings
-) -> tuple[Candidate, ...]:
+    ranking: Sequence[NamedHypothesis], settings: DiagnosisSettings
+) -> tuple[NamedHypothesis, ...]:
     """The most probable ones that together hold with the wanted probability."""
     total = sum(one.probability for one in ranking)
     chosen, held = [], 0.0
@@ -224,7 +224,9 @@ def _partly(workspace: Workspace, chosen: Scored, settings: DiagnosisSettings) -
     return shrink(workspace, before, after).fraction < EXPLAINED_FROM
 
 
-def _cause(workspace: Workspace, chosen: Scored, index: int, ranking: Sequence[Candidate]) -> Cause:
+def _cause(
+    workspace: Workspace, chosen: Scored, index: int, ranking: Sequence[NamedHypothesis]
+) -> Cause:
     hypothesis, form = chosen.parts[index]
     probability = sum(
         one.probability

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.diagnosis.result import Candidate
+from shoecal_core.diagnosis.result import NamedHypothesis
 from shoecal_core.error_sources.base import Effect, Place, Shape, lower_bounds, stds, upper_bounds
 from shoecal_core.error_sources.signal_model import SignalModel
 
@@ -56,7 +56,7 @@ class Hypothesis:
     @property
     def label(self) -> str:
         """For a person to read."""
-        return Candidate(self.effect.identifier, self.place, 0.0).label
+        return NamedHypothesis(self.effect.identifier, self.place, 0.0).label
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from shoecal_core.diagnosis.answer import (
     probabilities,
 )
 from shoecal_core.diagnosis.diagnose import Wanted, diagnose
-from shoecal_core.diagnosis.result import Candidate
+from shoecal_core.diagnosis.result import NamedHypothesis
 from shoecal_core.diagnosis.scoring import Part
 from shoecal_core.diagnosis.selection import Ranked, Selection, taken
 from shoecal_core.diagnosis.settings import DiagnosisSettings
@@ -205,7 +205,7 @@ def test_what_may_not_be_there_lowers_every_probability(urn: Urn, predicted: flo
 
 def test_a_set_holds_with_the_wanted_probability() -> None:
     ranking = tuple(
-        Candidate("latency", (place,), share)
+        NamedHypothesis("latency", (place,), share)
         for place, share in (("left", 0.6), ("right", 0.32), ("all", 0.04))
     )
     assert ambiguity_set(ranking, SETTINGS) == ranking[:2]
