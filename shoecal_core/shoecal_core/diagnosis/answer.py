@@ -1,4 +1,4 @@
-"""What is answered, by how probable a robot as built is, and what else explains the session."""
+"""The answer: how probable a robot within tolerance is, and what else explains the session."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.hidden import hidden_cop
 from shoecal_core.diagnosis.hypotheses import Form
-from shoecal_core.diagnosis.result import Candidate, Cause, Verdict
+from shoecal_core.diagnosis.result import Cause, NamedHypothesis, Verdict
 from shoecal_core.diagnosis.scoring import Scored
 from shoecal_core.diagnosis.selection import (
-    LOG_ELSE,
+    LOG_UNMODELLED,
     Selection,
     added_evidence,
     fit_without,
@@ -21,7 +21,7 @@ from shoecal_core.diagnosis.selection import (
     without,
 )
 from shoecal_core.diagnosis.settings import DiagnosisSettings
-from shoecal_core.diagnosis.shrink import FORCE_AND_PLACE, excess, gap, judged, shrink
+from shoecal_core.diagnosis.shrink import FORCE_AND_PLACE, excess, gap, judged_runs, shrink
 from shoecal_core.diagnosis.sizes import sizes
 from shoecal_core.diagnosis.tempering import needed, shares, temper
 from shoecal_core.diagnosis.workspace import Workspace
@@ -58,8 +58,8 @@ class Answer:
 
     verdict: Verdict
     causes: tuple[Cause, ...] = ()
-    ambiguity: tuple[Candidate, ...] = ()
-    ranking: tuple[Candidate, ...] = ()
+    ambiguity: tuple[NamedHypothesis, ...] = ()
+    ranking: tuple[NamedHypothesis, ...] = ()
 
 
 def answer(
@@ -74,30 +74,31 @@ def answer(
     ranking = probabilities(found, 0) if found.alternatives else ()
     causes = [*certain, *causes_of(workspace, found)]
     if not causes:
-        there = _gapes(workspace, evident=found.other >= needed(settings))
+        there = _has_gap(workspace, evident=found.unmodelled >= needed(settings))
         return Answer("unknown" if there else "no_gap", ranking=ranking)
     ambiguity = ambiguity_set(ranking, settings) if found.chosen is not None else ()
     if certain:
         first = certain[0]
-        ambiguity = (Candidate(first.effect, first.location, first.probability),)
+        ambiguity = (NamedHypothesis(first.effect, first.location, first.probability),)
         ranking = (*ambiguity, *ranking)
     verdict: Verdict = "ambiguous" if len(ambiguity) > 1 else "explained"
     if found.chosen is not None:
         left = _partly(workspace, found.chosen, settings)
     else:
-        left = _gapes(workspace, evident=found.other >= needed(settings))
+        left = _has_gap(workspace, evident=found.unmodelled >= needed(settings))
     if left:
         verdict = "partly_explained"
     return Answer(verdict, tuple(causes), ambiguity, ranking)
 
 
-def borne_out(
+def confirmed(
     workspace: Workspace, found: Selection, settings: DiagnosisSettings
 ) -> tuple[Selection, tuple[str, ...]]:
-    """Without causes that runs left out do not bear out, or in whose place there may be nothing.
+    """Without causes that runs left out do not confirm, or in whose place there may be nothing.
 
-    Where the first one is, a robot as built has to be improbable enough; a further one has to be
-    likely by itself, since only of the first one all that cannot be separated from it is listed.
+    Where the first one is, a robot within tolerance has to be improbable enough; a further one has
+    to be likely by itself, since only of the first one all that cannot be separated from it is
+    listed.
 
     Returns:
         What stays, and in words what went.
@@ -112,12 +113,12 @@ def borne_out(
         rivals = probabilities(found, index)
         probable = sum(one.probability for one in rivals)
         own = sum(one.probability for one in rivals if one.effect == hypothesis.effect.identifier)
-        why, other = "", found.other
+        why, unmodelled = "", found.unmodelled
         if probable < (LIKELY if index else 1.0 - settings.false_alarms):
             why = f"with {1.0 - probable:.0%} it is an error that any robot may be built with"
         elif index and own < LIKELY:
             why = f"with {1.0 - own:.0%} it is another effect that comes on top"
-        if _judged_by_others(workspace, form):
+        if _shown_by_test_runs(workspace, form):
             parts = (GRF, COP, FORCE_AND_PLACE)
             *each, (_, gone, added) = taken(workspace, chosen, index, workspace.test, parts)
             off = [(there, less) for there, less, _ in each if there > LEAST_EXCESS]
@@ -125,17 +126,17 @@ def borne_out(
             shrinks = shrinks and gone >= CLAIMED * added
             if not shrinks or found.predicted[index] <= 0.0:
                 why = "explains training runs, but test runs do not confirm it"
-                # Not that, but something: a robot as built is as improbable as before.
+                # Not that, but something: a robot within tolerance is as improbable as before.
                 if off:
-                    other = max(other, chosen.evidence)
+                    unmodelled = max(unmodelled, chosen.evidence)
         if why:
-            left = replace(without(workspace, found, index), other=other)
-            left, others = borne_out(workspace, left, settings)
+            left = replace(without(workspace, found, index), unmodelled=unmodelled)
+            left, others = confirmed(workspace, left, settings)
             return left, (f"{hypothesis.label}: {why}: not named", *others)
     return found, ()
 
 
-def _judged_by_others(workspace: Workspace, form: Form) -> bool:
+def _shown_by_test_runs(workspace: Workspace, form: Form) -> bool:
     """Whether runs left out show it: what happened once, in a run that was fitted, they do not."""
     return bool(workspace.test) and form.shape.run is None
 
@@ -143,10 +144,10 @@ def _judged_by_others(workspace: Workspace, form: Form) -> bool:
 def _predicted(workspace: Workspace, found: Selection, index: int) -> float:
     """Logarithm of the probability of the runs left out with a cause, against without it."""
     assert found.chosen is not None
-    if not _judged_by_others(workspace, found.chosen.parts[index][1]):
+    if not _shown_by_test_runs(workspace, found.chosen.parts[index][1]):
         return 0.0
     left, scorer = fit_without(workspace, found.chosen, index), workspace.scorer
-    others = (left,) if left is not None else (scorer.nothing, scorer.other)
+    others = (left,) if left is not None else (scorer.nothing, scorer.unmodelled)
     chosen, *least = (workspace.predicted(one, bounded=True) for one in (found.chosen, *others))
     return chosen - max(least)
 
@@ -161,11 +162,11 @@ def causes_of(workspace: Workspace, found: Selection) -> list[Cause]:
     ]
 
 
-def probabilities(found: Selection, index: int) -> tuple[Candidate, ...]:
+def probabilities(found: Selection, index: int) -> tuple[NamedHypothesis, ...]:
     """Of everything that could stand in a cause's place; what lacks is that there is none.
 
-    What a cause explains next to much stronger ones may be an error in their form; something else
-    has none. Runs left out speak for all of them or for none.
+    What a cause explains next to much stronger ones may be an error in their form; an
+    unmodelled term has none. Runs left out speak for all of them or for none.
     """
     alternatives = found.alternatives[index]
     best = max((log for _, log in alternatives), default=0.0)
@@ -174,18 +175,18 @@ def probabilities(found: Selection, index: int) -> tuple[Candidate, ...]:
     against = found.predicted[index] if found.predicted else 0.0
     each = shares([*(counts * log for _, log in alternatives), -counts * against])
     return tuple(
-        Candidate(hypothesis.effect.identifier, hypothesis.place, float(share))
+        NamedHypothesis(hypothesis.effect.identifier, hypothesis.place, float(share))
         for (hypothesis, _), share in zip(alternatives, each, strict=False)
     )
 
 
 def _named_evidence(chosen: Scored) -> float:
-    return chosen.evidence - (chosen.scorer.other.evidence if chosen.other else 0.0)
+    return chosen.evidence - (chosen.scorer.unmodelled.evidence if chosen.unmodelled else 0.0)
 
 
 def ambiguity_set(
-    ranking: Sequence[Candidate], settings: DiagnosisSettings
-) -> tuple[Candidate, ...]:
+    ranking: Sequence[NamedHypothesis], settings: DiagnosisSettings
+) -> tuple[NamedHypothesis, ...]:
     """The most probable ones that together hold with the wanted probability."""
     total = sum(one.probability for one in ranking)
     chosen, held = [], 0.0
@@ -197,33 +198,35 @@ def ambiguity_set(
     return tuple(chosen)
 
 
-def _gapes(workspace: Workspace, *, evident: bool) -> bool:
-    """Whether CoP or GRF are off on runs left out by more than those of a robot as built.
+def _has_gap(workspace: Workspace, *, evident: bool) -> bool:
+    """Whether CoP or GRF are off on runs left out by more than those of a robot within tolerance.
 
     Args:
         evident: the training runs show that something is wrong; else it takes twice as much.
     """
     rest = workspace.explained(None)[0]
     if not evident:
-        return excess(workspace, rest, judged(workspace)) > SURELY
+        return excess(workspace, rest, judged_runs(workspace)) > SURELY
     size = gap(workspace, rest)
     return size.cop_mae_mm > size.cop_floor_mm or size.grf_mae_n > size.grf_floor_n
 
 
 def _partly(workspace: Workspace, chosen: Scored, settings: DiagnosisSettings) -> bool:
     """Whether something is left; what happened once, in a run that was fitted, does not count."""
-    if chosen.other:
+    if chosen.unmodelled:
         alone = workspace.scorer.score(chosen.parts, start=chosen)
-        if added_evidence(chosen, alone) + LOG_ELSE >= needed(settings):
+        if added_evidence(chosen, alone) + LOG_UNMODELLED >= needed(settings):
             return True
     happened = any(form.shape.run is not None for _, form in chosen.parts)
-    if happened or not _gapes(workspace, evident=True):
+    if happened or not _has_gap(workspace, evident=True):
         return False
     before, after = workspace.explained(None)[0], workspace.explained(chosen)[0]
     return shrink(workspace, before, after).fraction < EXPLAINED_FROM
 
 
-def _cause(workspace: Workspace, chosen: Scored, index: int, ranking: Sequence[Candidate]) -> Cause:
+def _cause(
+    workspace: Workspace, chosen: Scored, index: int, ranking: Sequence[NamedHypothesis]
+) -> Cause:
     hypothesis, form = chosen.parts[index]
     probability = sum(
         one.probability

@@ -23,6 +23,7 @@ FloatArray = NDArray[np.float64]
 HANGING_LEVERS_M = (0.1, 0.1)
 """Levers by which a swinging foot's forces make moments."""
 STEPS = 12
+"""After which the iteration ends, settled or not."""
 SETTLED = 1e-7
 """Share of the priors; a smaller step ends the iteration."""
 

@@ -1,6 +1,6 @@
 """The baseline in fewer columns: of those that rows cannot tell apart, what they add together.
 
-A family of errors as built, x ~ N(0, level^2 D), adds A x to the rows, and A has far more columns
+A family of tolerance errors, x ~ N(0, level^2 D), adds A x to the rows, and A has far more columns
 than directions in which it exceeds the noise. With the eigenvectors V of D^1/2 A' W A D^1/2 (W the
 rows' precision at their least variance) it adds A D^1/2 V z, z ~ N(0, level^2): as many columns as
 eigenvalues matter. Along all others nothing is learned: they keep their mean of zero.
@@ -32,7 +32,7 @@ class Basis:
     Attributes:
         columns: (R, q). group: (R,) of the rows, among G.
         precision: (q,) of the priors, at level 1.
-        family: (q,) of errors as built; -1 for what belongs to none.
+        family: (q,) of tolerance errors; -1 for what belongs to none.
         parts: of the baseline's columns that are replaced, which, and (m, k) what k unknowns are.
         kept: columns of the baseline that stand as they are, the first ones.
         count: p.

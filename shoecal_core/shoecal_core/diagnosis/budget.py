@@ -1,4 +1,4 @@
-"""What the CoP's gap is made of: causes, errors as built by source, and what nothing explains.
+"""What the CoP's gap is made of: causes, tolerance errors by source, and what nothing explains.
 
 Of residuals r and a source's contribution c (T, 2) the share is  sum(r c) / sum(r^2):  shares of
 everything together add up to 1, and a source that works against the others has a negative one.
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.result import BudgetShare
 from shoecal_core.diagnosis.scoring import Scored
-from shoecal_core.diagnosis.shrink import judged
+from shoecal_core.diagnosis.shrink import judged_runs
 from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.error_sources.signals import COP
 from shoecal_core.samples.zeros import NORMAL_95
@@ -20,6 +20,7 @@ FloatArray = NDArray[np.float64]
 LEAST_SHARE = 0.05
 """Smaller ones of a source are put together over its places."""
 MOST = 12
+"""Sources that are listed by themselves."""
 
 
 def budget(
@@ -28,11 +29,11 @@ def budget(
     """Shares of the CoP's mean square on the test runs, the largest first.
 
     Args:
-        workspace: with errors as built as the explanation leaves them.
+        workspace: with tolerance errors as the explanation leaves them.
         rest: (T, s) residuals with nothing added.
         chosen: the explanation.
     """
-    rows = workspace.rows_of(judged(workspace))
+    rows = workspace.rows_of(judged_runs(workspace))
     there = workspace.signal_model.mask[rows][:, COP]
     own = np.where(there, rest[rows][:, COP], 0.0)
     whole = float((own**2).sum())

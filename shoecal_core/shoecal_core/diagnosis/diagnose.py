@@ -6,21 +6,21 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from shoecal_core.diagnosis.action import action
-from shoecal_core.diagnosis.answer import answer, borne_out, causes_of
+from shoecal_core.diagnosis.answer import answer, causes_of, confirmed
 from shoecal_core.diagnosis.baseline import first_parameters
 from shoecal_core.diagnosis.budget import budget
-from shoecal_core.diagnosis.dissent import lowered, worse_runs
+from shoecal_core.diagnosis.dissent import less_probable, worse_runs
 from shoecal_core.diagnosis.evidence import evidence
 from shoecal_core.diagnosis.measured import MeasuredBefore, at_zeros, measure
 from shoecal_core.diagnosis.next_motion import propose
 from shoecal_core.diagnosis.preflight import preflight
 from shoecal_core.diagnosis.result import Diagnosis
-from shoecal_core.diagnosis.rewiring import rewired
 from shoecal_core.diagnosis.selection import Selection, asked_for, over_all_runs, select
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.shaking import shaking
 from shoecal_core.diagnosis.shrink import gap, shrink
-from shoecal_core.diagnosis.stopped import Stopped, stopped
+from shoecal_core.diagnosis.stuck_cell import StuckChannel, stuck_cell
+from shoecal_core.diagnosis.swapped_channels import swapped_channels
 from shoecal_core.diagnosis.weak_cells import weak_cells
 from shoecal_core.diagnosis.where import where
 from shoecal_core.diagnosis.workspace import Workspace, make_workspace
@@ -108,8 +108,8 @@ def diagnose(
     signal_model = make_signal_model(samples, first_parameters(samples, train), settings, without)
     wanted = only or (lambda _effect, _place: True)
     workspace = make_workspace(signal_model, effects, train, test, settings, tolerances, wanted)
-    halted = _halted(workspace, wanted)
-    looked_at = workspace.catalogue.hypotheses or workspace.catalogue.rewired or halted
+    stuck = _stuck_cell(workspace, wanted)
+    looked_at = workspace.catalogue.hypotheses or workspace.catalogue.swapped or stuck
     if only is not None and not looked_at:
         raise SessionError(
             session.folder,
@@ -124,28 +124,28 @@ def diagnose(
             workspace.signal_model.parameters, settings, weighs=weight_kg is None,
         )  # fmt: skip
     corrected = workspace
-    if halted is not None or known:
+    if stuck is not None or known:
         whole = known.corrected(samples)
-        whole = whole if halted is None else halted.corrected(whole)
+        whole = whole if stuck is None else stuck.corrected(whole)
         signal_model = make_signal_model(whole, first_parameters(whole, train), settings, without)
         corrected = make_workspace(signal_model, effects, train, test, settings, tolerances, wanted)
     before = preflight(corrected, settings)
     progress("trying every effect", 0.5)
-    exchange = rewired(corrected, effects, settings, wanted)
-    best = corrected if exchange is None else exchange.workspace
+    swap = swapped_channels(corrected, effects, settings, wanted)
+    best = corrected if swap is None else swap.workspace
     found, named, denied = _found(best, settings, asked=only is not None)
     progress("measuring the shrink", 0.8)
     searched = best
     best = searched.at(named.stands(searched.scorer, settings))
     certain = [
         *(known.causes(workspace, corrected, settings) if known else ()),
-        *(() if halted is None else (halted.cause(workspace, corrected),)),
-        *(() if exchange is None else (exchange.cause(corrected.explained(None)[0]),)),
+        *(() if stuck is None else (stuck.cause(workspace, corrected),)),
+        *(() if swap is None else (swap.cause(corrected.explained(None)[0]),)),
         *weak_cells(best, wanted),
     ]
     said = answer(best, certain, named, settings)
     if only is not None and not certain:
-        # For who asks how an effect would do, though nothing may bear it out.
+        # For who asks how an effect would do, though nothing may confirm it.
         asked = searched.at(found.stands(searched.scorer, settings))
         said = replace(said, causes=tuple(causes_of(asked, found)))
     progress("done", 1.0)
@@ -175,7 +175,7 @@ def diagnose(
         zeros=zeros,
         budget=budget(best, corrected_gap, chosen),
     )
-    diagnosis = lowered(diagnosis, worse) if said.causes else diagnosis
+    diagnosis = less_probable(diagnosis, worse) if said.causes else diagnosis
     return replace(diagnosis, action=action(diagnosis))
 
 
@@ -184,27 +184,27 @@ def _found(
 ) -> tuple[Selection, Selection, tuple[str, ...]]:
     """What is shown, what of it is named, and in words what is not."""
     if not asked:
-        named, denied = _borne_out(best, settings)
+        named, denied = _first_confirmed(best, settings)
         return named, named, denied
     shown = asked_for(best)
-    named, denied = borne_out(best, shown, settings)
+    named, denied = confirmed(best, shown, settings)
     # What was not needed is no evidence that anything is there.
-    return shown, replace(named, other=shown.other), denied
+    return shown, replace(named, unmodelled=shown.unmodelled), denied
 
 
-def _borne_out(
+def _first_confirmed(
     workspace: Workspace, settings: DiagnosisSettings
 ) -> tuple[Selection, tuple[str, ...]]:
-    """The most probable explanation that runs left out bear out; and in words which they do not.
+    """The most probable explanation that runs left out confirm; and in words which they do not.
 
-    Where they bear out none, the ranking is that of all hypotheses.
+    Where they confirm none, the ranking is that of all hypotheses.
     """
     singles = over_all_runs(workspace, None)
     first: Selection | None = None
     denied: dict[str, None] = {}
     for _ in range(TRIES):
         found = select(workspace, settings, singles)
-        named, reasons = borne_out(workspace, found, settings)
+        named, reasons = confirmed(workspace, found, settings)
         denied |= dict.fromkeys(reasons)
         if named.chosen is not None:
             return named, tuple(denied)
@@ -217,10 +217,10 @@ def _borne_out(
     return first, tuple(denied)
 
 
-def _halted(workspace: Workspace, wanted: Callable[[str, Place], bool]) -> Stopped | None:
+def _stuck_cell(workspace: Workspace, wanted: Callable[[str, Place], bool]) -> StuckChannel | None:
     """The cell that got stuck, if one did and it is looked for."""
     samples = workspace.signal_model.samples
-    found = stopped(samples)
+    found = stuck_cell(samples)
     if found is None or not wanted("stuck_cell", (samples.shoe.names[found.channel],)):
         return None
     return found

@@ -43,7 +43,7 @@ def worse_runs(
     return tuple(runs), tuple(reasons)
 
 
-def lowered(diagnosis: Diagnosis, worse: Sequence[int]) -> Diagnosis:
+def less_probable(diagnosis: Diagnosis, worse: Sequence[int]) -> Diagnosis:
     """With test runs that get worse: each takes half its share of the probability.
 
     A run in which it fits badly speaks half against a cause, as one may be right and its size a

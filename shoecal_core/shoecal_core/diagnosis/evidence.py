@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.diagnosis.result import Candidate, Evidence, Fitted
+from shoecal_core.diagnosis.result import Evidence, Fitted, NamedHypothesis
 from shoecal_core.diagnosis.scoring import Scored
 from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.error_sources.signals import SIGNALS
@@ -16,6 +16,7 @@ from shoecal_core.shoe.wrench import cop
 
 FloatArray = NDArray[np.float64]
 RIVALS = 4
+"""Hypotheses whose fit is shown next to the chosen one."""
 
 
 def evidence(workspace: Workspace, chosen: Scored | None, rivals: Sequence[Scored]) -> Evidence:
@@ -49,7 +50,7 @@ def evidence(workspace: Workspace, chosen: Scored | None, rivals: Sequence[Score
 def label(scored: Scored) -> str:
     """Of all parts together, for a person to read."""
     return " and ".join(
-        Candidate(hypothesis.effect.identifier, hypothesis.place, 0.0).label
+        NamedHypothesis(hypothesis.effect.identifier, hypothesis.place, 0.0).label
         for hypothesis, _ in scored.parts
     )
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.diagnosis.result import Candidate
+from shoecal_core.diagnosis.result import NamedHypothesis
 from shoecal_core.error_sources.base import Effect, Place, Shape, lower_bounds, stds, upper_bounds
 from shoecal_core.error_sources.signal_model import SignalModel
 
@@ -56,7 +56,7 @@ class Hypothesis:
     @property
     def label(self) -> str:
         """For a person to read."""
-        return Candidate(self.effect.identifier, self.place, 0.0).label
+        return NamedHypothesis(self.effect.identifier, self.place, 0.0).label
 
 
 @dataclass(frozen=True)
@@ -65,13 +65,13 @@ class Catalogue:
 
     Attributes:
         hypotheses: those whose columns stand in `columns`.
-        rewired: those that change what channels mean; each has scenes of its own.
+        swapped: those that change what channels mean; each has a signal model of its own.
         columns: (k, T, s).
         lacking: identifiers of effects for which the recording has nothing to offer.
     """
 
     hypotheses: tuple[Hypothesis, ...]
-    rewired: tuple[Hypothesis, ...]
+    swapped: tuple[Hypothesis, ...]
     columns: FloatArray
     lacking: tuple[str, ...]
 
@@ -102,7 +102,7 @@ def make_catalogue(
     columns: list[FloatArray] = []
     at = 0
     ordinary: list[Hypothesis] = []
-    rewired: list[Hypothesis] = []
+    swapped: list[Hypothesis] = []
     for effect, place, shapes in found:
         forms = []
         for shape in shapes:
@@ -121,9 +121,9 @@ def make_catalogue(
                 columns.append(shape.columns)
                 at += count
         hypothesis = Hypothesis(effect, place, tuple(forms), _prior(effect, found, effects, groups))
-        (rewired if shapes[0].signal_model is not None else ordinary).append(hypothesis)
+        (swapped if shapes[0].signal_model is not None else ordinary).append(hypothesis)
     whole = np.concatenate(columns) if columns else np.zeros((0, *signal_model.residuals.shape))
-    return Catalogue(tuple(ordinary), tuple(rewired), whole, tuple(lacking))
+    return Catalogue(tuple(ordinary), tuple(swapped), whole, tuple(lacking))
 
 
 def _prior(

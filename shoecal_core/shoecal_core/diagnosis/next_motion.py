@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from shoecal_core.diagnosis.candidates import WARM, YAWED
-from shoecal_core.diagnosis.result import Candidate, NextMotion
+from shoecal_core.diagnosis.possible_motions import WARM, YAWED
+from shoecal_core.diagnosis.result import NamedHypothesis, NextMotion
 from shoecal_core.error_sources.effects.contact import TURNED
 from shoecal_core.samples.known_weight import WEIGHTED
 from shoecal_core.shoe.shoe import FEET
@@ -40,7 +40,7 @@ SEPARATED_BY: Sequence[tuple[frozenset[str], frozenset[str], str]] = (
 """Effects, those that a motion separates from them, and the motion."""
 
 
-def propose(confused: Sequence[Candidate]) -> NextMotion | None:
+def propose(confused: Sequence[NamedHypothesis]) -> NextMotion | None:
     """The motion that separates the most of what is probable, by pairs of it.
 
     Returns:
@@ -60,7 +60,7 @@ def propose(confused: Sequence[Candidate]) -> NextMotion | None:
     return NextMotion(best, tuple(separated[best]))
 
 
-def _motions(one: Candidate, other: Candidate) -> Iterator[str]:
+def _motions(one: NamedHypothesis, other: NamedHypothesis) -> Iterator[str]:
     """The one that separates two effects, wherever they are."""
     for these, those, motion in SEPARATED_BY:
         if (one.effect in these and other.effect in those) or (
@@ -70,7 +70,7 @@ def _motions(one: Candidate, other: Candidate) -> Iterator[str]:
             return
 
 
-def _foot(one: Candidate, other: Candidate) -> str:
+def _foot(one: NamedHypothesis, other: NamedHypothesis) -> str:
     """The unloading of a foot that either is at; where both are at all, of the left one."""
     at = {place.partition("/")[0] for place in (*one.location, *other.location)}
     return UNLOADED + next((foot for foot in FEET if foot in at), FEET[0])

@@ -15,14 +15,15 @@ from shoecal_core.error_sources.spectrum import BANDS
 
 FloatArray = NDArray[np.float64]
 ROUNDS = 6
+"""Steps by which the variances of bands settle."""
 BUILT_WITHIN = 2.0
-"""Times its tolerance that an error as built may be: what is larger is none."""
+"""Times its tolerance that a tolerance error may be: what is larger is none."""
 
 
 def within_tolerance(scored: Scored) -> Scored:
-    """The same fit with errors that are no larger than a robot as built may have them.
+    """The same fit with errors that are no larger than tolerances allow.
 
-    An error as built that is the same as a fault, or nearly, would predict as well as the fault;
+    A tolerance error that is the same as a fault, or nearly, would predict as well as the fault;
     and a wrong cause next to it would seem to.
     """
     rows = scored.scorer.rows
@@ -35,7 +36,7 @@ def within_tolerance(scored: Scored) -> Scored:
 def log_predictive(scored: Scored) -> float:
     """Logarithm of the probability of runs left out, under what was fitted to others.
 
-    Gains, offsets, errors as built and sizes have the distribution that the fit left them; bands
+    Gains, offsets, tolerance errors and sizes have the distribution that the fit left them; bands
     have the variance that it expected, known to a factor as there (`scoring`).
 
     Args:

@@ -103,7 +103,7 @@ class SimulatedShrink:
 
 
 @dataclass(frozen=True)
-class Candidate:
+class NamedHypothesis:
     """An effect at a place, and how probable it is."""
 
     effect: str
@@ -145,7 +145,7 @@ class Cause:
     @property
     def label(self) -> str:
         """For a person to read."""
-        return Candidate(self.effect, self.location, self.probability).label
+        return NamedHypothesis(self.effect, self.location, self.probability).label
 
 
 @dataclass(frozen=True)
@@ -166,7 +166,7 @@ class BudgetShare:
     """What one source holds of the CoP's gap.
 
     Attributes:
-        source: an effect, as a cause or as an error as built; or `other errors as built`, or
+        source: an effect, as a cause or as a tolerance error; or `other errors as built`, or
             `not explained`.
         location: its place; empty for all places together.
         cop_share: of the mean square on the test runs; negative where it works against others.
@@ -181,7 +181,7 @@ class BudgetShare:
     @property
     def label(self) -> str:
         """For a person to read."""
-        return Candidate(self.source, self.location, 0.0).label
+        return NamedHypothesis(self.source, self.location, 0.0).label
 
 
 @dataclass(frozen=True)
@@ -281,8 +281,8 @@ class Diagnosis:
     gap: Gap
     where: tuple[Where, ...]
     causes: tuple[Cause, ...]
-    ambiguity: tuple[Candidate, ...]
-    ranking: tuple[Candidate, ...]
+    ambiguity: tuple[NamedHypothesis, ...]
+    ranking: tuple[NamedHypothesis, ...]
     cannot_detect: tuple[str, ...]
     cannot_separate: tuple[tuple[str, ...], ...]
     next_motion: NextMotion | None
@@ -300,7 +300,7 @@ class Diagnosis:
 
     @property
     def named(self) -> tuple[Cause, ...]:
-        """Causes without those that somebody asked for and nothing bears out."""
+        """Causes without those that somebody asked for and nothing confirms."""
         return () if self.verdict in ("no_gap", "unknown") else self.causes
 
     def to_json(self) -> dict[str, object]:
@@ -316,11 +316,11 @@ class Diagnosis:
             "where": [vars(place).copy() for place in self.where],
             "shrink": None if self.shrink is None else _pairs(vars(self.shrink)),
             "causes": [_cause(cause) for cause in self.causes],
-            "ambiguity_set": [_candidate(one) for one in self.ambiguity],
+            "ambiguity_set": [_hypothesis(one) for one in self.ambiguity],
             "action": None if self.action is None else _pairs(vars(self.action)),
             "dissent": list(self.dissent),
             "budget": [_pairs(vars(one)) for one in self.budget],
-            "ranking": [_candidate(one) for one in self.ranking],
+            "ranking": [_hypothesis(one) for one in self.ranking],
             "cannot_detect": list(self.cannot_detect),
             "cannot_separate": [list(names) for names in self.cannot_separate],
             "next_motion": None
@@ -333,7 +333,7 @@ class Diagnosis:
         }
 
 
-def _candidate(one: Candidate) -> dict[str, object]:
+def _hypothesis(one: NamedHypothesis) -> dict[str, object]:
     return {
         "effect": one.effect,
         "location": list(one.location),

@@ -44,6 +44,7 @@ CORNER_HZ = 0.5
 LEAST_SCALE, MOST_SCALE = 0.02, 3.0
 """Between which gains that a fit moves may scale what is measured."""
 LEAST_NORM = 1e-24
+"""Of a column of zeros, which is divided by."""
 
 
 @dataclass(frozen=True)
@@ -58,14 +59,14 @@ class Rows:
         group: (R,) to which of G groups, a signal in a band, each belongs.
         number: (G,) of each group among all there are (`spectrum`).
         noise: (G,) variance by noise.
-        form: (G,) the same by the forms of as-built errors.
+        form: (G,) the same by the forms of tolerance errors.
         smooth: (G,) by what is not modelled: a smooth term, as large as it usually is.
         most: (G,) variance up to which a group may be more than was expected.
         precision: (p,) of the baseline's priors, at level 1.
-        built: (p,) as-built errors.
-        family: (p,) of as-built errors; -1 for what belongs to none.
+        built: (p,) tolerance errors.
+        family: (p,) of tolerance errors; -1 for what belongs to none.
         most_level: (F,) of each family.
-        same: (k,) column of the baseline that is the same error as built; -1 where there is none.
+        same: (k,) column of the baseline that is the same tolerance error; -1 where there is none.
     """
 
     base: FloatArray
@@ -134,7 +135,7 @@ def at_levels(precision: FloatArray, family: IntArray, levels: FloatArray) -> Fl
 
     Args:
         precision: that one.
-        family: (k,) of errors as built; -1 for what belongs to none.
+        family: (k,) of tolerance errors; -1 for what belongs to none.
         levels: (F,) of the families.
     """
     level = np.where(family < 0, 1.0, levels[np.maximum(family, 0)])
@@ -191,7 +192,7 @@ def make_rows(
     """Lay out some runs.
 
     Args:
-        signal_model: with gains and offsets fitted, and deviations as built.
+        signal_model: with gains and offsets fitted, and tolerance errors.
         whole: its coefficients.
         runs: numbers.
         coarse: (s, BANDS) variance before anything is known.
@@ -241,7 +242,7 @@ def _families(signal_model: SignalModel) -> IntArray:
 
 
 def _same(base: FloatArray, columns: FloatArray, signal_model: SignalModel) -> IntArray:
-    """(k,) error as built that each of the hypotheses' columns (R, k) also is; -1 for none."""
+    """(k,) tolerance error that each of the hypotheses' columns (R, k) also is; -1 for none."""
     built = np.flatnonzero(signal_model.built)
     found = np.full(columns.shape[1], -1)
     if not len(built):
@@ -267,7 +268,7 @@ def _away(signal_model: SignalModel, guess: ChannelParameters) -> FloatArray:
 def _unabsorbed(
     base: FloatArray, prior: FloatArray, signal_model: SignalModel, weight: FloatArray
 ) -> FloatArray:
-    """(R, d) what all else in the baseline leaves of errors as built."""
+    """(R, d) what all else in the baseline leaves of tolerance errors."""
     whole = base * weight[:, None]
     kept = ~signal_model.built
     posterior = Posterior(whole[:, kept].T @ whole[:, kept], prior[kept])
@@ -277,7 +278,7 @@ def _unabsorbed(
 
 
 def _form_stds(signal_model: SignalModel) -> FloatArray:
-    """(d,) of errors as built: what they add in another form than the library has them in."""
+    """(d,) of tolerance errors: what they add in another form than the library has them in."""
     return np.array([one.form * one.std for one in signal_model.deviations])
 
 

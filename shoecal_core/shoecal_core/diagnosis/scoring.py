@@ -1,19 +1,19 @@
-"""How probable the recorded signals are under an explanation, on a robot as built.
+"""How probable the recorded signals are under an explanation, on a robot within tolerance.
 
 Residuals are  r = B b + A a + X x + e:  gains, offsets and what any recording holds (B); errors
 that every robot has, a ~ N(0, level^2 tolerance^2), each family of sources at a level of its own
 (A); the effects of the explanation, x ~ N(0, prior^2) (X); and e, of which each cosine coefficient
 of a signal has in its band the variance
 
-    P0 = noise + model error + (what as-built errors add in another form than A has)^2
+    P0 = noise + model error + (what tolerance errors add in another form than A has)^2
                              + (what the effects add in another form than X has)^2
 
 P0 itself is known to a factor only: a band's variance P has a scaled inverse chi-squared prior of
 FREEDOM degrees about P0 (Gelman et al., Bayesian Data Analysis, 3rd ed., 2013, sec. 2.6). The
 evidence integrates b, a, x out (Laplace) and takes levels and P at their most probable values.
 
-*Something else* is a hypothesis as well: a term in any signal that is smooth in time, of unknown
-course and unknown size.
+An *unmodelled term* is a hypothesis as well: a term in any signal that is smooth in time, of
+unknown course and unknown size.
 
 What is measured stands in the residuals times the gains; gains that shrink it would shrink its
 noise too, and look right for that alone (errors in variables; Fuller, Measurement Error Models,
@@ -42,7 +42,8 @@ IntArray = NDArray[np.int64]
 Part = tuple[Hypothesis, Form]
 
 COUNTS = 0.15
-"""Of an independent coefficient, what one of a signal counts: signals are partly redundant."""
+"""Of an independent coefficient, what one of a signal counts: signals are partly redundant,
+motions repeat, and what a model lacks comes back with them."""
 FREEDOM = 5.0
 """Degrees of freedom by which a band's variance is known beforehand."""
 FORM = 0.25
@@ -50,22 +51,24 @@ FORM = 0.25
 LEVEL, LEVEL_FREEDOM = 0.7, 3.0
 """Usual level of the tolerances, and by how many degrees of freedom it is known."""
 LEAST_LEVEL, FIRST_LEVEL = 0.05, 1.5
+"""The smallest level that is found, and the one at which a fit from anywhere begins."""
 FORM_LEVELS = (1.0, 0.5, 0.25, 0.12)
-"""Of each signal, factors on what form errors of as-built sources add to it; their logarithms have
+"""Of each signal, factors on what tolerance errors add to it in another form; their logarithms have
 a normal prior of unit deviation."""
 MODEL_LEVELS = (1.0, 0.5, 0.25, 0.12)
 """Of what a model lacks in a signal, over the usual; with a log-normal prior of unit deviation."""
 BODILESS = frozenset((GRF.start, *range(AIR.start, AIR.stop), *range(PARITY.start, PARITY.stop)))
 """Signals that hang on cells and weight alone: there the model may be far better than usual."""
-ELSE_LEVELS = (2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
-"""The same where something else is there."""
-ELSE_COST = 1.0
-"""Logarithm of probability that something else costs in each signal that it is in."""
+UNMODELLED_LEVELS = (2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
+"""The same where an unmodelled term is there."""
+UNMODELLED_COST = 1.0
+"""Logarithm of probability that an unmodelled term costs in each signal that it is in."""
 ROUNDS, NEXT_ROUNDS = 8, 4
 """Steps of a fit from anywhere, and of one that begins where a like one ended."""
 SETTLED = 0.05
 """Logarithm of evidence by which a fit that has settled still changes."""
 LEAST_SHARE = 0.02
+"""Of the mean square before any fit, the least variance with which one begins."""
 
 
 @dataclass(frozen=True)
@@ -76,13 +79,13 @@ class Scored:
         scorer: what scored them.
         parts: hypotheses with the form chosen of each.
         vector: (p + k,) of the baseline and of all their columns.
-        evidence: logarithm, against a robot as built.
-        levels: (F,) of the families of as-built errors.
+        evidence: logarithm, against a robot within tolerance.
+        levels: (F,) of the families of tolerance errors.
         variance: (G,) of the groups. expected: (G,) what it was expected to be.
-        form_level: (G,) of the forms of as-built errors, in each signal.
+        form_level: (G,) of the forms of tolerance errors, in each signal.
         model_level: (G,) of what the model lacks in each signal.
         rest: (R,) coefficients that are left.
-        other: with something else as well.
+        unmodelled: with an unmodelled term as well.
         log_likelihood: (G,) of each group.
     """
 
@@ -96,7 +99,7 @@ class Scored:
     form_level: FloatArray
     model_level: FloatArray
     rest: FloatArray
-    other: bool
+    unmodelled: bool
     log_likelihood: FloatArray
 
     @property
@@ -127,9 +130,10 @@ class Scored:
         return self.scorer.weighted(self.variance, self.levels)
 
     @cached_property
-    def strict(self) -> Scored:
-        """As if no group were worse than expected, nor errors as built worse than usual: a fit from
-        here tries to explain what is, while one that takes it for granted never would.
+    def at_nominal(self) -> Scored:
+        """At nominal tolerances: as if no group were worse than expected, nor tolerance errors
+        larger than usual. A fit from here tries to explain what is, while one that takes it for
+        granted never would.
         """
         levels = np.minimum(self.levels, LEVEL)
         return replace(self, variance=self.expected, levels=levels)
@@ -212,49 +216,52 @@ class Scorer:
     def __init__(self, rows: Rows, channels: int, withheld: Rows | None = None) -> None:
         self.rows, self.channels, self.withheld = rows, channels, withheld
         self.basis = make_basis(rows, 2 * channels, withheld)
-        found = self._nothing(other=False)
-        self._as_built = found.evidence
+        found = self._nothing(unmodelled=False)
+        self._base_evidence = found.evidence
         self.nothing = replace(found, evidence=0.0)
 
     @cached_property
-    def other(self) -> Scored:
-        """Something else, and no effect that has a name."""
-        starts = (self.nothing, self.nothing.strict)
-        near = [self._fit((), start, ROUNDS, other=True) for start in starts]
-        found = max(self._nothing(other=True), *near, key=lambda one: one.evidence)
-        return replace(found, evidence=found.evidence - self._as_built)
+    def unmodelled(self) -> Scored:
+        """An unmodelled term, and no effect that has a name."""
+        starts = (self.nothing, self.nothing.at_nominal)
+        near = [self._fit((), start, ROUNDS, unmodelled=True) for start in starts]
+        found = max(self._nothing(unmodelled=True), *near, key=lambda one: one.evidence)
+        return replace(found, evidence=found.evidence - self._base_evidence)
 
     def score(
         self,
         parts: Sequence[Part],
         *,
-        other: bool = False,
+        unmodelled: bool = False,
         start: Scored | None = None,
         rounds: int = NEXT_ROUNDS,
     ) -> Scored:
         """Fit some forms together.
 
         Args:
-            other: with something else as well.
+            unmodelled: with an unmodelled term as well.
             start: where variances and levels are begun with.
         """
         if not parts:
-            return self.other if other else self.nothing
-        start = start or (self.other if other else self.nothing)
-        ways = [self._fit(parts, one, rounds, other=other) for one in (start, start.strict)]
+            return self.unmodelled if unmodelled else self.nothing
+        start = start or (self.unmodelled if unmodelled else self.nothing)
+        ways = [
+            self._fit(parts, one, rounds, unmodelled=unmodelled)
+            for one in (start, start.at_nominal)
+        ]
         found = max(ways, key=lambda one: one.evidence)
         cost = sum(math.log(len(hypothesis.forms)) for hypothesis, _ in parts)
-        return replace(found, evidence=found.evidence - self._as_built - cost)
+        return replace(found, evidence=found.evidence - self._base_evidence - cost)
 
-    def _nothing(self, *, other: bool) -> Scored:
+    def _nothing(self, *, unmodelled: bool) -> Scored:
         rows = self.rows
         raw = rows.squares(rows.residuals) / rows.count
         variance = np.maximum(rows.noise + rows.smooth + rows.form, LEAST_SHARE * raw)
         levels = np.minimum(np.full(len(rows.most_level), FIRST_LEVEL), rows.most_level)
-        return self._fit((), (variance, levels), ROUNDS, other=other)
+        return self._fit((), (variance, levels), ROUNDS, unmodelled=unmodelled)
 
     def weighted(self, variance: FloatArray, levels: FloatArray) -> _Weighted:
-        """The baseline under variances (G,), with as-built errors at levels (F,)."""
+        """The baseline under variances (G,), with tolerance errors at levels (F,)."""
         each = COUNTS / variance
         posterior = Posterior(self.basis.normal(each), self.basis.prior(levels))
         return _Weighted(each, posterior)
@@ -265,7 +272,7 @@ class Scorer:
         start: Scored | tuple[FloatArray, FloatArray],
         rounds: int,
         *,
-        other: bool,
+        unmodelled: bool,
     ) -> Scored:
         """Fit at some variances and levels, take those that are most probable then, fit again.
 
@@ -297,7 +304,9 @@ class Scorer:
             own = rows.squares(added - basis.columns @ absorbed) / rows.count
             moved = vector[:own_count] + rows.away[:own_count]
             power = rows.squares(rest) / rows.scales(moved) ** 2
-            spread = self._spread(power, rows.smooth + FORM**2 * own, variance, other=other)
+            spread = self._spread(
+                power, rows.smooth + FORM**2 * own, variance, unmodelled=unmodelled
+            )
             prior = 0.5 * float((vector**2 * weighted.posterior.precision).sum())
             prior += 0.5 * float(((sizes / std) ** 2).sum())
             volume = weighted.posterior.half_log_volume + inner.half_log_volume
@@ -305,7 +314,7 @@ class Scorer:
             found = Scored(
                 self, tuple(parts), np.concatenate((vector, sizes)),
                 likely - prior - volume - _level_cost(levels), levels, variance,
-                spread.expected, spread.form_level, spread.model_level, rest, other,
+                spread.expected, spread.form_level, spread.model_level, rest, unmodelled,
                 spread.log_likelihood,
             )  # fmt: skip
             gain = np.inf if best is None else found.evidence - best.evidence
@@ -321,7 +330,7 @@ class Scorer:
         return replace(best, vector=self._whole(chosen) @ vector)
 
     def _whole(self, chosen: Sequence[int]) -> FloatArray:
-        """(p + k, p + k) that takes errors as built for a part of the effects that they are."""
+        """(p + k, p + k) that takes tolerance errors for a part of the effects that they are."""
         base = self.rows.base.shape[1]
         found = np.eye(base + len(chosen))
         for at, column in enumerate(chosen, base):
@@ -330,18 +339,18 @@ class Scorer:
         return found
 
     def _spread(
-        self, power: FloatArray, lacking: FloatArray, variance: FloatArray, *, other: bool
+        self, power: FloatArray, lacking: FloatArray, variance: FloatArray, *, unmodelled: bool
     ) -> _Spread:
         """What each group most probably has, for sums of squares (G,).
 
         Of every signal forms are as far off as they usually are or less, and the model lacks as
-        much as it usually does; where no body is in the model, perhaps less; where something else
-        is there, perhaps more.
+        much as it usually does; where no body is in the model, perhaps less; where an unmodelled
+        term is there, perhaps more.
 
         Args:
             lacking: (G,) variance that the model usually lacks.
             variance: (G,) of which the likelihood is wanted.
-            other: whether something else is there.
+            unmodelled: whether an unmodelled term is there.
         """
         rows = self.rows
         found = _Spread(*(np.empty_like(power) for _ in range(5)))
@@ -349,12 +358,12 @@ class Scorer:
             here = rows.signal == signal
             squares, count, most = power[here], rows.count[here], rows.most[here]
             models = MODEL_LEVELS if signal in BODILESS else MODEL_LEVELS[:1]
-            form, model = _grid(models, ELSE_LEVELS if other else ())
+            form, model = _grid(models, UNMODELLED_LEVELS if unmodelled else ())
             usual = np.minimum(model, 1.0)
             expected = rows.noise[here] + form**2 * rows.form[here] + usual**2 * lacking[here]
             more = np.where(model > 1.0, model, 0.0)
             middle = expected + more**2 * rows.smooth[here]
-            cost = np.where(model > 1.0, ELSE_COST, 0.5 * np.log(usual) ** 2)
+            cost = np.where(model > 1.0, UNMODELLED_COST, 0.5 * np.log(usual) ** 2)
             cost = (cost + 0.5 * np.log(form) ** 2)[:, 0]
             free = most_probable(squares, middle, count, most)
             best = int(np.argmax(log_likelihood(free, squares, middle, count).sum(axis=1) - cost))
@@ -367,7 +376,7 @@ class Scorer:
         return found
 
     def _levels(self, weighted: _Weighted, vector: FloatArray) -> FloatArray:
-        """(F,) most probable levels of as-built errors, by those that the signals determine.
+        """(F,) most probable levels of tolerance errors, by those that the signals determine.
 
         The fixed point of MacKay (Neural Computation 4:415, 1992).
         """
@@ -415,7 +424,7 @@ class Scorer:
             kept: an explanation that stays; None: nothing.
         """
         kept = self.nothing if kept is None else kept
-        lefts = [self._left(one) for one in (kept, kept.strict)]
+        lefts = [self._left(one) for one in (kept, kept.at_nominal)]
         found: list[Glance] = []
         for hypothesis in hypotheses:
             each = [one for left in lefts if (one := _glance(left, hypothesis)) is not None]
@@ -468,9 +477,9 @@ def _level_cost(levels: FloatArray) -> float:
 
 
 @cache
-def _grid(models: Sequence[float], others: Sequence[float]) -> tuple[FloatArray, FloatArray]:
+def _grid(models: Sequence[float], unmodelled: Sequence[float]) -> tuple[FloatArray, FloatArray]:
     """(L, 1) each, of all pairs: levels of forms, and of what the model lacks."""
-    pairs = np.array(list(itertools.product(FORM_LEVELS, (*models, *others))))
+    pairs = np.array(list(itertools.product(FORM_LEVELS, (*models, *unmodelled))))
     return pairs[:, :1], pairs[:, 1:]
 
 

@@ -1,7 +1,7 @@
-"""Which effects are needed: the most probable one, then each further one in its company.
+"""Which effects are needed: the most probable one, then each further one with the others kept.
 
-Everything is judged in two ways: that nothing but it is wrong, or that something else is there as
-well (`scoring`). What explains most at a quick look is fitted in full.
+Everything is scored in two ways: that nothing but it is wrong, or that an unmodelled term is there
+as well (`scoring`). What explains most at a quick look is fitted in full.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.error_sources.signals import COP, GRF
 
 FloatArray = NDArray[np.float64]
-LOG_ELSE = math.log(0.05)
+LOG_UNMODELLED = math.log(0.05)
 """Of the probability, beforehand, that something is there which the library has not."""
 LOOKED_AT, PLACES_EACH = 14, 5
 """Hypotheses that are fitted in full, and of one effect at most."""
@@ -36,14 +36,14 @@ LEAST_GAIN = -1.0
 
 
 @dataclass(frozen=True)
-class Judged:
-    """A hypothesis in the company of others.
+class Ranked:
+    """A hypothesis in addition to the other causes.
 
     Attributes:
-        scored: the company with it, in the more probable of both ways.
-        log: logarithm of its probability against the company alone, its prior included.
-        before: that company; without any a robot as built or something else, whichever is the more
-            probable.
+        scored: the other causes with it, in the more probable of both ways.
+        log: logarithm of its probability against the others alone, its prior included.
+        before: those others; without any a robot within tolerance or an unmodelled term,
+            whichever is the more probable.
         predicted: logarithm of the probability of the runs left out with it, against without it;
             zero as long as they have not been looked at, and for what happened in one run.
     """
@@ -60,7 +60,7 @@ class Judged:
 
     @property
     def part(self) -> Part:
-        """What was added to the company."""
+        """What was added to the other causes."""
         return self.scored.parts[-1]
 
 
@@ -73,34 +73,34 @@ class Selection:
         alternatives: for each cause, every hypothesis in its place with the other causes kept, the
             most probable first, with the logarithm of its probability against having none there.
         singles: every hypothesis by itself, the most probable first.
-        other: logarithm of the probability that something moves CoP or GRF that was not chosen,
-            against a robot as built.
+        unmodelled: logarithm of the probability that what was not chosen moves CoP or GRF,
+            against a robot within tolerance.
         predicted: for each cause, logarithm of the probability of the runs left out against having
             none there; empty as long as they have not been looked at.
     """
 
     chosen: Scored | None
     alternatives: tuple[tuple[tuple[Hypothesis, float], ...], ...]
-    singles: tuple[Judged, ...]
-    other: float
+    singles: tuple[Ranked, ...]
+    unmodelled: float
     predicted: tuple[float, ...] = ()
 
     def stands(self, scorer: Scorer, settings: DiagnosisSettings) -> Scored:
-        """What is most probable: the causes, something else, or a robot as built."""
+        """What is most probable: the causes, an unmodelled term, or a robot within tolerance."""
         if self.chosen is not None:
             return self.chosen
-        return scorer.other if self.other >= needed(settings) else scorer.nothing
+        return scorer.unmodelled if self.unmodelled >= needed(settings) else scorer.nothing
 
 
 def select(
-    workspace: Workspace, settings: DiagnosisSettings, singles: Sequence[Judged] | None = None
+    workspace: Workspace, settings: DiagnosisSettings, singles: Sequence[Ranked] | None = None
 ) -> Selection:
     """Forward, one at a time; then what the others make superfluous goes.
 
     Args:
         workspace: all hypotheses.
         settings: of the diagnosis.
-        singles: those that may come first, judged by themselves; None: all.
+        singles: those that may come first, each ranked by itself; None: all.
     """
     singles = over_all_runs(workspace, None) if singles is None else singles
     chosen: Scored | None = None
@@ -121,12 +121,12 @@ def select(
     sure = [one for one in singles if one.log >= needed(settings)]
     if chosen is None and any(material(workspace, one.scored, settings) for one in sure):
         # None of these explains it, but they say that something is there.
-        found = replace(found, other=max(found.other, sure[0].log))
+        found = replace(found, unmodelled=max(found.unmodelled, sure[0].log))
     return found
 
 
 def _first(
-    workspace: Workspace, ranked: Sequence[Judged], settings: DiagnosisSettings
+    workspace: Workspace, ranked: Sequence[Ranked], settings: DiagnosisSettings
 ) -> int | None:
     """Place of the most probable hypothesis that is evident and matters.
 
@@ -154,7 +154,7 @@ def fit_without(workspace: Workspace, chosen: Scored, index: int) -> Scored | No
     others = [part for at, part in enumerate(chosen.parts) if at != index]
     if not others:
         return None
-    near = workspace.scorer.score(others, other=chosen.other, start=chosen)
+    near = workspace.scorer.score(others, unmodelled=chosen.unmodelled, start=chosen)
     ways = (near if near.sensible else None, _best_way(workspace, others, None))
     return max((way for way in ways if way is not None), key=value, default=None)
 
@@ -183,46 +183,46 @@ def taken(
 
 def asked_for(workspace: Workspace) -> Selection:
     """The best of what is looked at, needed or not: for who asks of one effect how it would do."""
-    singles = judged(workspace, None, most=len(workspace.catalogue.hypotheses), each=None)
+    singles = rank(workspace, None, most=len(workspace.catalogue.hypotheses), each=None)
     return _found(workspace, singles[0].scored if singles else None, singles)
 
 
-def _found(workspace: Workspace, chosen: Scored | None, singles: Sequence[Judged]) -> Selection:
+def _found(workspace: Workspace, chosen: Scored | None, singles: Sequence[Ranked]) -> Selection:
     scorer = workspace.scorer
     return Selection(
         chosen,
         _alternatives(workspace, chosen, singles),
         tuple(singles),
-        added_evidence(scorer.other, scorer.nothing) + LOG_ELSE,
+        added_evidence(scorer.unmodelled, scorer.nothing) + LOG_UNMODELLED,
     )
 
 
-def judged(
+def rank(
     workspace: Workspace,
-    company: Scored | None,
+    others: Scored | None,
     most: int = LOOKED_AT,
     each: int | None = PLACES_EACH,
-) -> list[Judged]:
+) -> list[Ranked]:
     """Hypotheses that make sense in addition to others that stay, the most probable first.
 
     Args:
-        company: what stays; None: a robot as built.
+        others: causes that stay; None: a robot within tolerance.
         most: fitted in full, and one of each other effect that explains anything.
         each: places of one effect at most.
     """
     scorer = workspace.scorer
-    before = company or max((scorer.nothing, scorer.other), key=value)
-    parts = [one for one, _ in company.parts] if company is not None else []
+    before = others or max((scorer.nothing, scorer.unmodelled), key=value)
+    parts = [one for one, _ in others.parts] if others is not None else []
     effects = {one.effect.identifier for one in parts}
     places = {(one.effect.group, one.place) for one in parts if one.effect.group in SENSED}
     # What an effect leaves of itself at another place is no second one; nor is what is left of a
     # cell's law that has another form than the library has it in.
-    others = [
+    further = [
         one
         for one in workspace.catalogue.hypotheses
         if one.effect.identifier not in effects and (one.effect.group, one.place) not in places
     ]
-    glances = scorer.gains(others, company)
+    glances = scorer.gains(further, others)
     glances.sort(key=lambda one: one.gain + math.log(one.parts[0][0].prior), reverse=True)
     seen: Counter[str] = Counter()
     found = []
@@ -234,25 +234,25 @@ def judged(
         if each is not None and seen[effect] >= each:
             continue
         seen[effect] += 1
-        kept = company.parts if company is not None else ()
-        ways = [_best_way(workspace, (*kept, part), company) for part in glance.parts]
+        kept = others.parts if others is not None else ()
+        ways = [_best_way(workspace, (*kept, part), others) for part in glance.parts]
         scored = max((way for way in ways if way is not None), key=value, default=None)
         if scored is not None:
             log = value(scored) - value(before) + glance.alike + math.log(hypothesis.prior)
-            found.append(Judged(scored, log, before))
+            found.append(Ranked(scored, log, before))
     found.sort(key=lambda one: one.log, reverse=True)
     return found
 
 
-def over_all_runs(workspace: Workspace, company: Scored | None) -> list[Judged]:
+def over_all_runs(workspace: Workspace, others: Scored | None) -> list[Ranked]:
     """The same, by how probable runs left out are with each as well: the most probable first.
 
-    Errors as built are as large there as the fit has them, with a cause and without: by the chain
+    Tolerance errors are as large there as the fit has them, with a cause and without: by the chain
     rule this is the evidence of all runs.
     """
-    scorer, found = workspace.scorer, judged(workspace, company)
+    scorer, found = workspace.scorer, rank(workspace, others)
     if workspace.test:
-        before = (company,) if company is not None else (scorer.nothing, scorer.other)
+        before = (others,) if others is not None else (scorer.nothing, scorer.unmodelled)
         least = max(workspace.predicted(one, bounded=False) for one in before)
         for at, one in enumerate(found[:TESTED]):
             if one.part[1].shape.run is None:
@@ -262,8 +262,8 @@ def over_all_runs(workspace: Workspace, company: Scored | None) -> list[Judged]:
 
 
 def value(scored: Scored) -> float:
-    """Evidence, and what something else costs beforehand where it is there as well."""
-    return scored.evidence + (LOG_ELSE if scored.other else 0.0)
+    """Evidence, and what an unmodelled term costs beforehand where it is there as well."""
+    return scored.evidence + (LOG_UNMODELLED if scored.unmodelled else 0.0)
 
 
 def added_evidence(scored: Scored, before: Scored) -> float:
@@ -295,13 +295,13 @@ def _moves(workspace: Workspace, added: FloatArray, runs: Sequence[int]) -> floa
     return max(cop, ARM_M * share)
 
 
-def _best_way(workspace: Workspace, parts: Sequence[Part], company: Scored | None) -> Scored | None:
-    """Without or with something else in addition, whichever is more probable."""
+def _best_way(workspace: Workspace, parts: Sequence[Part], others: Scored | None) -> Scored | None:
+    """Without or with an unmodelled term in addition, whichever is more probable."""
     scorer = workspace.scorer
     # Where nothing else is seen, nothing else is seen next to an effect.
-    seen = scorer.other.evidence > 0.0 if company is None else company.other
+    seen = scorer.unmodelled.evidence > 0.0 if others is None else others.unmodelled
     both = (False, True) if seen else (False,)
-    ways = [scorer.score(parts, other=other, start=company) for other in both]
+    ways = [scorer.score(parts, unmodelled=one, start=others) for one in both]
     return max((way for way in ways if way.sensible), key=value, default=None)
 
 
@@ -315,7 +315,7 @@ def _pruned(workspace: Workspace, chosen: Scored, settings: DiagnosisSettings) -
 
 
 def _alternatives(
-    workspace: Workspace, chosen: Scored | None, singles: Sequence[Judged]
+    workspace: Workspace, chosen: Scored | None, singles: Sequence[Ranked]
 ) -> tuple[tuple[tuple[Hypothesis, float], ...], ...]:
     if chosen is None:
         return (tuple((one.part[0], one.total) for one in singles),) if singles else ()

@@ -16,7 +16,7 @@ class DiagnosisSettings(SignalSettings):
     """How samples are made and when something counts as found."""
 
     false_alarms: float = setting(
-        0.05, "", "a cause is named when a robot as built is less probable than this",
+        0.05, "", "a cause is named when a robot within tolerance is less probable than this",
         minimum=1e-6, maximum=0.5,
     )  # fmt: skip
     material_m: float = setting(

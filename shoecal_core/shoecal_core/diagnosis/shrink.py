@@ -15,13 +15,15 @@ FloatArray = NDArray[np.float64]
 MEAN_NORM = float(np.sqrt(np.pi / 2.0))
 """Mean length of two normal numbers of unit deviation."""
 MEAN_SIZE = float(np.sqrt(2.0 / np.pi))
+"""Mean size of one."""
 DRAWS = 400
+"""Of the bootstrap."""
 FORCE_AND_PLACE = slice(GRF.start, COP.stop)
 
 
 def gap(workspace: Workspace, rest: FloatArray) -> Gap:
     """Errors against the model on the test runs [mm, N], of residuals (T, s), and their floor."""
-    cop, grf = maes(workspace, rest, judged(workspace))
+    cop, grf = maes(workspace, rest, judged_runs(workspace))
     noise = workspace.floor
     return Gap(
         cop_mae_mm=1e3 * cop,
@@ -42,14 +44,14 @@ def maes(workspace: Workspace, rest: FloatArray, runs: Sequence[int]) -> tuple[f
     )
 
 
-def judged(workspace: Workspace) -> tuple[int, ...]:
+def judged_runs(workspace: Workspace) -> tuple[int, ...]:
     """The test runs; the training runs where there is none."""
     return workspace.test or workspace.train
 
 
 def shrink(workspace: Workspace, before: FloatArray, after: FloatArray) -> Shrink:
     """From residuals (T, s) without an explanation to those with it."""
-    rows = workspace.rows_of(judged(workspace))
+    rows = workspace.rows_of(judged_runs(workspace))
     first, second = (_squares(workspace, rest, rows) for rest in (before, after))
     blocks = workspace.signal_model.samples.stretch[rows & workspace.signal_model.mask[:, 1]]
     sums = np.array(
@@ -62,7 +64,7 @@ def shrink(workspace: Workspace, before: FloatArray, after: FloatArray) -> Shrin
     fractions = [_fraction(*one) for one in sums[:, draws].sum(axis=2).T]
     low, high = np.quantile(fractions, (0.025, 0.975))
     (cop_before, grf_before), (cop_after, grf_after) = (
-        maes(workspace, rest, judged(workspace)) for rest in (before, after)
+        maes(workspace, rest, judged_runs(workspace)) for rest in (before, after)
     )
     return Shrink(
         fraction=_fraction(*sums.sum(axis=1)),

@@ -21,7 +21,7 @@ def temper(best: float) -> float:
 
 
 def needed(settings: DiagnosisSettings) -> float:
-    """Logarithm of evidence from which a robot as built is improbable enough."""
+    """Logarithm of evidence from which a robot within tolerance is improbable enough."""
     return math.log((1.0 - settings.false_alarms) / settings.false_alarms)
 
 

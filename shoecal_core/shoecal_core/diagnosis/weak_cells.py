@@ -24,6 +24,7 @@ SURE = 5.0
 SPREAD = 0.2
 """How far gains of cells of one kind are apart, over themselves."""
 FEWEST = 3
+"""Cells from which on there is a usual gain."""
 
 
 def weak_cells(workspace: Workspace, wanted: Callable[[str, Place], bool]) -> list[Cause]:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.result import Where
 from shoecal_core.diagnosis.scoring import Scored
-from shoecal_core.diagnosis.shrink import judged
+from shoecal_core.diagnosis.shrink import judged_runs
 from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.error_sources.signals import AIR, CLOSURE, PARITY, TILT
 from shoecal_core.error_sources.steps import closure_steps
@@ -25,6 +25,7 @@ PLACES: tuple[tuple[str, str | None, slice], ...] = (
     ("tilt", None, TILT),
 )
 LEAST_SHARE = 0.02
+"""Of all excess, what a signal holds at least to be listed."""
 MOSTLY = 0.6
 """Share of a signal's excess in one run from which it counts as that run's."""
 
@@ -40,7 +41,7 @@ def where(workspace: Workspace, rest: FloatArray, chosen: Scored | None) -> tupl
         chosen: the explanation.
     """
     signal_model = workspace.signal_model
-    rows = workspace.rows_of(judged(workspace))
+    rows = workspace.rows_of(judged_runs(workspace))
     over = np.where(signal_model.mask, (rest / workspace.floor) ** 2 - 1.0, 0.0)
     phases = {track.run: track.motion for track in signal_model.samples.tracks}
     sums = [

@@ -39,14 +39,14 @@ class Workspace:
 
     Attributes:
         signal_model: with gains and offsets fitted to the training runs.
-        noise: (s, BANDS) variance of the coefficients of a robot as built.
+        noise: (s, BANDS) variance of the coefficients of a robot within tolerance.
         catalogue: of hypotheses.
         whitening: by that noise.
         sums: of the training runs.
         scorer: of the training runs; the runs left out are laid out with them.
         train, test: numbers of the runs.
-        tolerances: of the robot's errors as built.
-        built: the fit by which the robot's errors as built are as large as they are.
+        tolerances: of the robot's tolerance errors.
+        built: the fit by which the robot's tolerance errors are as large as they are.
     """
 
     signal_model: SignalModel
@@ -61,7 +61,7 @@ class Workspace:
     built: Scored
 
     def at(self, scored: Scored) -> Workspace:
-        """With errors as built as an explanation leaves them."""
+        """With tolerance errors as an explanation leaves them."""
         found = replace(self, built=scored)
         # What does not hang on them stays.
         found.__dict__.update(_fitter=self._fitter, left_of_errors=self.left_of_errors)
@@ -70,7 +70,7 @@ class Workspace:
     def calibrated(self, values: FloatArray) -> FloatArray:
         """(..., T, s) what a calibration on the training runs leaves of residuals (..., T, s).
 
-        Gains and offsets make up for what they can; errors as built are not known to it.
+        Gains and offsets make up for what they can; tolerance errors are not known to it.
         """
         kept, fitter = self._fitter
         shape = values.shape
@@ -95,7 +95,7 @@ class Workspace:
 
         Args:
             scored: fitted to the others.
-            bounded: with errors as built that are no larger than a robot as built may have them.
+            bounded: with tolerance errors that are no larger than tolerances allow.
         """
         known, key = self._predictions, (id(scored), bounded)
         if key not in known:
@@ -129,7 +129,7 @@ class Workspace:
     @cached_property
     def floor(self) -> FloatArray:
         """(s,) RMS that each signal would have on runs left out without the fault: noise, and what
-        a calibration leaves of the errors as built, as fitted to the training runs.
+        a calibration leaves of the tolerance errors, as fitted to the training runs.
         """
         rows = self.rows_of(self.test or self.train)
         count = np.maximum(self.signal_model.mask[rows].sum(axis=0), 1)
@@ -146,7 +146,7 @@ class Workspace:
 
     @cached_property
     def left_of_errors(self) -> tuple[IntArray, FloatArray]:
-        """(e,) columns of errors as built, and (e, T', s) what a calibration leaves of them on
+        """(e,) columns of tolerance errors, and (e, T', s) what a calibration leaves of them on
         the T' samples of runs left out.
         """
         signal_model, rows = self.signal_model, self.rows_of(self.test or self.train)
@@ -177,7 +177,7 @@ def make_workspace(
     tolerances: Tolerances,
     wanted: Callable[[str, Place], bool] = lambda _effect, _place: True,
 ) -> Workspace:
-    """Fit gains, lay out errors as built and hypotheses, and find how large the former are."""
+    """Fit gains, lay out tolerance errors and hypotheses, and find how large the former are."""
     coarse, guess = coarse_noise(signal_model.samples), signal_model.parameters
     signal_model = fit_baseline(signal_model, train, coarse, settings)
     # What test runs show is measured as it is.

@@ -12,8 +12,8 @@ from shoecal_core.error_sources.effects.words import name_of
 from shoecal_core.error_sources.signals import COP, GRF
 from shoecal_core.estimation.metrics import cop_mae, grf_mae
 from shoecal_core.report.diagnosis_words import (
-    candidate_text,
     finding_text,
+    hypothesis_text,
     listed,
     sizes_text,
     state_text,
@@ -82,7 +82,7 @@ def key_figures(diagnosis: Diagnosis) -> tuple[KeyFigure, ...]:
                   f"noise alone: {newtons(gap.grf_floor_n)}; {runs}"),
     ]  # fmt: skip
     keys += [
-        KeyFigure(candidate_text(cause), percent(cause.probability), "probability")
+        KeyFigure(hypothesis_text(cause), percent(cause.probability), "probability")
         for cause in causes[:MOST_CAUSES]
     ]
     whole = whole_shrink(diagnosis) if causes else None
@@ -148,7 +148,7 @@ def _what(diagnosis: Diagnosis) -> list[str]:
     replaced: list[str] = []
     for one in diagnosis.ambiguity:
         taken = (one.effect, one.location) in chosen
-        (replaced if taken else rivals).append(candidate_text(one))
+        (replaced if taken else rivals).append(hypothesis_text(one))
     if rivals:
         place = f"In place of {listed(replaced)}" if replaced else "In place of one of these"
         lines.append(f"{place} it could as well be {listed(rivals, 'or')}.")

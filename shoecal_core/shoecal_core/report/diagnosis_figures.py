@@ -1,4 +1,4 @@
-"""The figures of a diagnosis against time, and on its candidates."""
+"""The figures of a diagnosis against time, and on its hypotheses."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from shoecal_core.diagnosis.result import Diagnosis, Evidence
 from shoecal_core.report import palette
 from shoecal_core.report.diagnosis_places import cop_residual, noise_of, signal
 from shoecal_core.report.diagnosis_words import (
-    candidate_text,
+    hypothesis_text,
     signal_text,
     where_text,
 )
@@ -36,7 +36,7 @@ BoolArray = NDArray[np.bool_]
 MOST_RIVALS = 4
 MOST_SHARES = 10
 LEAST_PROBABLE = 1e-3
-"""Candidates beyond the best few are shown from here on."""
+"""Hypotheses beyond the best few are shown from here on."""
 ALWAYS = ("grf", "cop_x", "cop_y")
 LOUD = 1.3
 """Any other signal is drawn whose RMS is so many times its noise."""
@@ -91,24 +91,24 @@ def ranking_picture(diagnosis: Diagnosis) -> Picture | None:
         if place >= MOST_RIVALS and one.probability < LEAST_PROBABLE:
             break
         key = (one.effect, one.location)
-        colour, kind = palette.SLATE, "another candidate"
+        colour, kind = palette.SLATE, "another hypothesis"
         if key in chosen:
             colour, kind = palette.TEAL, "chosen"
         elif key in alike:
             colour, kind = palette.WARN, "as good as a chosen one"
         number = percent(one.probability)
-        shares.append(NamedBar(candidate_text(one), number, one.probability, colour, kind))
+        shares.append(NamedBar(hypothesis_text(one), number, one.probability, colour, kind))
     caption = (
         "By how well each predicts runs that were left out of its fit, everything else refitted "
         "with it. "
     )
     if diagnosis.causes:
-        caption += "Of candidates with a probability of 80 %, about 80 of 100 should be right."
+        caption += "Of hypotheses with a probability of 80 %, about 80 of 100 should be right."
     else:
         caption += "Probable as against each other only: none of them makes the gap small."
     return Picture(
-        "How probable each candidate is",
-        named_bars(shares, "Probabilities of the candidates"),
+        "How probable each hypothesis is",
+        named_bars(shares, "Probabilities of the hypotheses"),
         caption,
     )
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from shoecal_core.diagnosis.result import Candidate, Diagnosis, Shrink, SimulatedShrink
+from shoecal_core.diagnosis.result import Diagnosis, NamedHypothesis, Shrink, SimulatedShrink
 from shoecal_core.error_sources.effects.words import WORDS, name_of, words_of
 from shoecal_core.report.diagnosis_answer import (
     interval_text,
@@ -18,8 +18,8 @@ from shoecal_core.report.diagnosis_answer import (
 )
 from shoecal_core.report.diagnosis_figures import hidden_rms_mm
 from shoecal_core.report.diagnosis_words import (
-    candidate_text,
     effect_of,
+    hypothesis_text,
     label_text,
     listed,
     sizes_text,
@@ -33,7 +33,7 @@ from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import Shoe
 
 MOST_OF_SET = 6
-"""Candidates of one set that are spelt out."""
+"""Hypotheses of one set that are spelt out."""
 MOST_ALIKE = 3
 """Sets alike for one reason that are spelt out."""
 _PLACES = re.compile(r"(\w+)((?: of | between )[^(]+)? (\(\d+ of \d+ places.*\))$")
@@ -62,7 +62,7 @@ def causes_table(diagnosis: Diagnosis) -> Table:
         "What was found" if diagnosis.named else "What was asked for",
         ("effect and place", "what it does", "class", "size", "probability", "hidden"),
         tuple(
-            (candidate_text(cause), words_of(cause.effect).state, name_of(cause.group),
+            (hypothesis_text(cause), words_of(cause.effect).state, name_of(cause.group),
              sizes_text(cause) or UNKNOWN, percent(cause.probability),
              millimetres(cause.hidden_cop_mm))
             for cause in diagnosis.causes
@@ -79,7 +79,8 @@ def budget_table(diagnosis: Diagnosis) -> Table | None:
         "What the CoP's error is made of",
         ("source and place", "share of its mean square", f"95{SPACE}% interval"),
         tuple(
-            (candidate_text(Candidate(one.source, one.location, 0.0)), percent(one.cop_share),
+            (hypothesis_text(NamedHypothesis(one.source, one.location, 0.0)),
+             percent(one.cop_share),
              f"{percent(one.ci95[0])} to {percent(one.ci95[1])}")
             for one in diagnosis.budget
             if abs(one.cop_share) >= LEAST_SHARE
@@ -149,14 +150,14 @@ def shrink_table(diagnosis: Diagnosis) -> Table:
     """How far the gap shrinks, measured and simulated."""
     several = len(diagnosis.causes) > 1
     first = diagnosis.causes[0]
-    name = "all of it" if several else candidate_text(first)
+    name = "all of it" if several else hypothesis_text(first)
     rows = [_shrink_row(f"{name}, measured", whole_shrink(diagnosis))]
     simulated = next((one.simulated for one in diagnosis.causes if one.simulated is not None), None)
     if simulated is not None:
         rows.append(_shrink_row(f"{name}, simulated", simulated))
     if several:
         rows += [
-            _shrink_row(f"{candidate_text(cause)}, with the others", cause.shrink)
+            _shrink_row(f"{hypothesis_text(cause)}, with the others", cause.shrink)
             for cause in diagnosis.causes
         ]
     return Table(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from shoecal_core.diagnosis.result import Candidate, Cause, Size, Where
+from shoecal_core.diagnosis.result import Cause, NamedHypothesis, Size, Where
 from shoecal_core.error_sources.effects.words import name_of, words_of
 from shoecal_core.report.quantities import SPACE, UNKNOWN, number
 from shoecal_core.shoe.shoe import FEET
@@ -117,7 +117,7 @@ def place_text(effect: str, location: Sequence[str]) -> str:
     return f"{word} {', '.join(location)}".strip()
 
 
-def candidate_text(one: Candidate | Cause) -> str:
+def hypothesis_text(one: NamedHypothesis | Cause) -> str:
     """Name and place, short."""
     place = place_text(one.effect, one.location)
     return f"{name_of(one.effect)} ({place})" if place else name_of(one.effect)
@@ -151,7 +151,7 @@ def label_text(label: str) -> str:
 def _one_label(label: str) -> str:
     effect, mark, rest = label.partition(" (")
     location = tuple(part.strip() for part in rest.removesuffix(")").split(",")) if mark else ()
-    return candidate_text(Candidate(effect, location, 0.0))
+    return hypothesis_text(NamedHypothesis(effect, location, 0.0))
 
 
 def effect_of(label: str) -> str:

@@ -79,7 +79,7 @@ class StuckBlocks:
     broken: float
 
 
-def halts(
+def all_stuck(
     shoe: Shoe, readings: FloatArray, noise: FloatArray, alive: Sequence[int]
 ) -> list[StuckBlocks]:
     """Every channel that was stuck, the clearest first.
@@ -95,14 +95,15 @@ def halts(
     found: list[StuckBlocks] = []
     going = list(alive)
     while True:
-        halted = [
-            halt
+        stuck = [
+            one
             for channel in going
-            if not shoe.torque[channel] and (halt := _halt(shoe, readings, noise, channel, going))
+            if not shoe.torque[channel]
+            and (one := _stuck_blocks(shoe, readings, noise, channel, going))
         ]
-        if not halted:
+        if not stuck:
             return found
-        clearest = min(halted, key=lambda one: one.broken)
+        clearest = min(stuck, key=lambda one: one.broken)
         found.append(clearest)
         going.remove(clearest.channel)
 
@@ -114,7 +115,7 @@ def neighbours(shoe: Shoe, channel: int) -> IntArray:
     return np.flatnonzero(same)
 
 
-def _halt(
+def _stuck_blocks(
     shoe: Shoe, readings: FloatArray, noise: FloatArray, channel: int, going: Sequence[int]
 ) -> StuckBlocks | None:
     others = [one for one in going if one != channel]

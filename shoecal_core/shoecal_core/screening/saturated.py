@@ -80,15 +80,15 @@ def ended(runs: Mapping[int, ReadingBlocks], found: Sequence[StuckBlocks]) -> li
     """
     readings = joined(runs)
     at_end = []
-    for halt in found:
-        values = readings[:, halt.channel]
-        level = float(np.median(values[halt.still]))
-        expected = halt.expected[halt.still] - level
+    for stuck in found:
+        values = readings[:, stuck.channel]
+        level = float(np.median(values[stuck.still]))
+        expected = stuck.expected[stuck.still] - level
         side = float(np.sign(np.median(expected)))
         if np.max(side * (values - level)) < BEYOND_SHARE * np.max(side * expected):
-            noise = max(float(blocks.noise[halt.channel]) for blocks in runs.values())
+            noise = max(float(blocks.noise[stuck.channel]) for blocks in runs.values())
             share = float(np.mean(np.abs(values - level) <= AT_END_STDS * noise))
-            at_end.append(Saturated(halt.channel, level, float("nan"), share))
+            at_end.append(Saturated(stuck.channel, level, float("nan"), share))
     return at_end
 
 

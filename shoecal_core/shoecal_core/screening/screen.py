@@ -24,7 +24,7 @@ from shoecal_core.screening.saturated import at_ends_or_marked, ended
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.screening.soles import Soles
 from shoecal_core.screening.standing import screen_standing
-from shoecal_core.screening.unresponsive import dead, halted, stuck
+from shoecal_core.screening.unresponsive import dead, stuck, stuck_channels
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import Shoe
 
@@ -105,10 +105,10 @@ def _cells(runs: Mapping[int, Run], aligned: Mapping[int, Aligned], shoe: Shoe) 
     ends = np.concatenate([at_ends_or_marked(shoe, run.readings) for run in runs.values()])
     parts = {number: blocks(one, shoe) for number, one in aligned.items()}
     silent = dead(shoe, parts)
-    found = halted(shoe, parts, silent)
+    found = stuck_channels(shoe, parts, silent)
     at_end = ended(parts, found)
     ends_of = {end.channel for end in at_end}
-    still = stuck(parts, [halt for halt in found if halt.channel not in ends_of])
+    still = stuck(parts, [one for one in found if one.channel not in ends_of])
     return [
         *words.of_dead(shoe, silent),
         *words.of_ends(shoe, ends.mean(axis=0).tolist()),

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.samples.stretches import stretches
 from shoecal_core.screening.blocks import ReadingBlocks
-from shoecal_core.screening.following import NOISE_RANGE, StuckBlocks, halts, neighbours
+from shoecal_core.screening.following import NOISE_RANGE, StuckBlocks, all_stuck, neighbours
 from shoecal_core.shoe.shoe import Shoe
 
 FloatArray = NDArray[np.float64]
@@ -59,7 +59,7 @@ def away(shoe: Shoe, runs: Mapping[int, ReadingBlocks], channel: int) -> BoolArr
     return left
 
 
-def halted(
+def stuck_channels(
     shoe: Shoe, runs: Mapping[int, ReadingBlocks], silent: Sequence[int]
 ) -> list[StuckBlocks]:
     """Channels that were stuck for some time, the clearest first.
@@ -69,16 +69,16 @@ def halted(
         silent: dead channels.
     """
     alive = [channel for channel in range(len(shoe.names)) if channel not in silent]
-    return halts(shoe, joined(runs), _noise(runs), alive)
+    return all_stuck(shoe, joined(runs), _noise(runs), alive)
 
 
 def stuck(runs: Mapping[int, ReadingBlocks], found: Sequence[StuckBlocks]) -> list[Stuck]:
     """Every stretch of each run in which one of these channels was stuck."""
     ends = np.cumsum([len(blocks.time) for blocks in runs.values()])[:-1]
     return [
-        Stuck(run, halt.channel, start, end, _level(blocks, halt.channel, start, end))
-        for halt in found
-        for (run, blocks), still in zip(runs.items(), np.split(halt.still, ends), strict=True)
+        Stuck(run, one.channel, start, end, _level(blocks, one.channel, start, end))
+        for one in found
+        for (run, blocks), still in zip(runs.items(), np.split(one.still, ends), strict=True)
         for start, end in stretches(still, blocks.time)
     ]
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from shoecal_core.diagnosis.candidates import stance
+from shoecal_core.diagnosis.possible_motions import stance
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.estimation.calibration import Calibration, save_calibration

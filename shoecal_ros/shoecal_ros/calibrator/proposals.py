@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from shoecal_core.diagnosis.candidates import (
+from shoecal_core.diagnosis.possible_motions import (
     BY_HAND,
     STANCE_MOTION,
     STANCES,

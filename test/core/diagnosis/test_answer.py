@@ -16,13 +16,13 @@ from shoecal_core.diagnosis.answer import (
     Answer,
     ambiguity_set,
     answer,
-    borne_out,
+    confirmed,
     probabilities,
 )
 from shoecal_core.diagnosis.diagnose import Wanted, diagnose
-from shoecal_core.diagnosis.result import Candidate
+from shoecal_core.diagnosis.result import NamedHypothesis
 from shoecal_core.diagnosis.scoring import Part
-from shoecal_core.diagnosis.selection import Judged, Selection, taken
+from shoecal_core.diagnosis.selection import Ranked, Selection, taken
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.shrink import FORCE_AND_PLACE
 from shoecal_core.diagnosis.tempering import needed, temper
@@ -36,9 +36,9 @@ SURE = 1e5
 """Logarithm of probability that leaves no doubt of anything in the library."""
 
 
-def nothing(other: float) -> Selection:
-    """Nothing chosen; something else as probable as told."""
-    return Selection(None, (), (), other)
+def nothing(unmodelled: float) -> Selection:
+    """Nothing chosen; an unmodelled term as probable as given."""
+    return Selection(None, (), (), unmodelled)
 
 
 def found_in(workspace: Workspace, *labels: str, evidence: Sequence[float] = (SURE,)) -> Selection:
@@ -76,11 +76,11 @@ def test_what_explains_a_gap_is_its_cause(urn: Urn) -> None:
 
 def test_what_test_runs_do_not_confirm_is_not_named(urn: Urn) -> None:
     drawn = urn.draw(np.random.default_rng(5), TILT)
-    kept, words = borne_out(drawn, found_in(drawn, "floor_tilt"), SETTINGS)
+    kept, words = confirmed(drawn, found_in(drawn, "floor_tilt"), SETTINGS)
     assert kept.chosen is not None
     assert words == ()
     assert kept.predicted[0] > needed(SETTINGS)
-    left, words = borne_out(drawn, found_in(drawn, "link_com (Neck_link)"), SETTINGS)
+    left, words = confirmed(drawn, found_in(drawn, "link_com (Neck_link)"), SETTINGS)
     assert left.chosen is None
     assert words[0].startswith("link_com (Neck_link): ")
     assert words[0].endswith("test runs do not confirm it: not named")
@@ -89,7 +89,7 @@ def test_what_test_runs_do_not_confirm_is_not_named(urn: Urn) -> None:
     calm = urn.draw(np.random.default_rng(5)).signal_model.residuals
     own[drawn.rows_of(drawn.test)] = calm[drawn.rows_of(drawn.test)]
     other = urn.showing(own)
-    left, words = borne_out(other, found_in(other, "floor_tilt"), SETTINGS)
+    left, words = confirmed(other, found_in(other, "floor_tilt"), SETTINGS)
     assert left.chosen is None
     assert len(words) == 1
 
@@ -101,7 +101,7 @@ def test_a_cause_must_take_what_it_says_on_test_runs(urn: Urn, true: float, name
     own, without = (one.signal_model.residuals for one in (tilted, calm))
     test = tilted.rows_of(tilted.test)[:, None]
     drawn = urn.showing(np.where(test, without + true * (own - without), own))
-    left, words = borne_out(drawn, found_in(drawn, "floor_tilt"), SETTINGS)
+    left, words = confirmed(drawn, found_in(drawn, "floor_tilt"), SETTINGS)
     assert (left.chosen is not None) == named
     assert len(words) == (not named)
 
@@ -120,9 +120,9 @@ def test_a_further_cause_is_probable_by_itself(urn: Urn, share: float, named: bo
         for one, probability in ((second, share), (rival, 1.0 - share))
     )
     chosen = drawn.scorer.score([first, second])
-    alone = Judged(drawn.scorer.score([first]), SURE, drawn.scorer.nothing)
+    alone = Ranked(drawn.scorer.score([first]), SURE, drawn.scorer.nothing)
     found = Selection(chosen, (((first[0], SURE),), alike), (alone,), -3.0)
-    left, words = borne_out(drawn, found, SETTINGS)
+    left, words = confirmed(drawn, found, SETTINGS)
     assert left.chosen is not None
     assert len(left.chosen.parts) == 1 + named
     assert len(words) == (not named)
@@ -134,7 +134,7 @@ def test_where_nothing_is_off_on_test_runs_nothing_is_named(urn: Urn) -> None:
     calm = drawn.signal_model.residuals.copy()
     calm[drawn.rows_of(drawn.test)] *= 0.01
     quiet = urn.showing(calm)
-    left, words = borne_out(quiet, found_in(quiet, "floor_tilt"), SETTINGS)
+    left, words = confirmed(quiet, found_in(quiet, "floor_tilt"), SETTINGS)
     assert left.chosen is None
     assert len(words) == 1
 
@@ -144,7 +144,7 @@ def test_the_next_one_is_named_where_test_runs_refute_the_first(
 ) -> None:
     drawn = urn.draw(np.random.default_rng(5), TILT)
     true, wrong = (
-        Judged(drawn.scorer.score([one]), log, drawn.scorer.nothing)
+        Ranked(drawn.scorer.score([one]), log, drawn.scorer.nothing)
         for one, log in (
             (part(drawn, "floor_tilt"), 30.0),
             (part(drawn, "link_com (Neck_link)"), SURE),
@@ -152,7 +152,7 @@ def test_the_next_one_is_named_where_test_runs_refute_the_first(
     )
     monkeypatch.setattr(diagnose_module, "over_all_runs", lambda *_: [wrong, true])
     settings = replace(SETTINGS, causes_max=1, material_m=0.0)
-    named, words = diagnose_module._borne_out(drawn, settings)
+    named, words = diagnose_module._first_confirmed(drawn, settings)
     assert named.chosen is not None
     assert named.chosen.parts[0][0] is true.part[0]
     assert len(words) == 1
@@ -181,11 +181,11 @@ def test_what_a_robot_as_built_may_have_is_not_named(urn: Urn) -> None:
     once = replace(form, shape=replace(form.shape, run=drawn.train[0]))
     chosen = drawn.scorer.score([(hypothesis, once)])
     found = Selection(chosen, (((hypothesis, -1.0),),), (), -3.0)
-    left, words = borne_out(drawn, found, SETTINGS)
+    left, words = confirmed(drawn, found, SETTINGS)
     assert left.chosen is None
     assert "any robot may be built with" in words[0]
     sure = replace(found, alternatives=(((hypothesis, SURE),),))
-    kept, words = borne_out(drawn, sure, SETTINGS)
+    kept, words = confirmed(drawn, sure, SETTINGS)
     assert kept.chosen is chosen
     assert kept.predicted == (0.0,)
     assert words == ()
@@ -205,7 +205,7 @@ def test_what_may_not_be_there_lowers_every_probability(urn: Urn, predicted: flo
 
 def test_a_set_holds_with_the_wanted_probability() -> None:
     ranking = tuple(
-        Candidate("latency", (place,), share)
+        NamedHypothesis("latency", (place,), share)
         for place, share in (("left", 0.6), ("right", 0.32), ("all", 0.04))
     )
     assert ambiguity_set(ranking, SETTINGS) == ranking[:2]

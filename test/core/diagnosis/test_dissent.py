@@ -7,7 +7,7 @@ import pytest
 
 from core.diagnosis.drawn import Urn
 from core.report.diagnoses import cause, diagnosis
-from shoecal_core.diagnosis.dissent import lowered, worse_runs
+from shoecal_core.diagnosis.dissent import less_probable, worse_runs
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 
 SETTINGS = DiagnosisSettings()
@@ -32,7 +32,7 @@ def test_each_takes_its_share_of_the_probability() -> None:
     always = cause("nonlinearity", "load_cell", ("left/front_left",), 0.9)
     once = cause("slip", "contact", ("left",), 0.8, run=2)
     found = diagnosis(causes=(always, once))
-    assert lowered(found, ()) == found
-    less = lowered(found, found.test[:1])
+    assert less_probable(found, ()) == found
+    less = less_probable(found, found.test[:1])
     assert [one.probability for one in less.causes] == [pytest.approx(0.75), 0.8]
     assert less.verdict == "partly_explained"

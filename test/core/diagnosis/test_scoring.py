@@ -113,11 +113,11 @@ def test_further_steps_and_what_contains_more_are_no_worse(seed: int) -> None:
     what = replace(rows(seed, built=1.0), smooth=np.ones(3))
     what.residuals[: ROWS // 3] *= float(rng.uniform(1.0, 100.0))
     scorer = Scorer(what, 0)
-    assert scorer.other.evidence >= 0.0
+    assert scorer.unmodelled.evidence >= 0.0
     one = possible((1, 2), STD)
-    for other in (False, True):
+    for unmodelled in (False, True):
         each = [
-            scorer.score([(one, one.forms[0])], other=other, rounds=rounds).evidence
+            scorer.score([(one, one.forms[0])], unmodelled=unmodelled, rounds=rounds).evidence
             for rounds in (1, 2, 3, 5, 10, 20)
         ]
         assert each == sorted(each)
@@ -130,7 +130,7 @@ def test_of_noise_nothing_is_evident() -> None:
         for column in range(MORE):
             one = possible((column,), STD[:1])
             assert scorer.score([(one, one.forms[0])]).evidence < 3.0
-        assert scorer.other.evidence < (3.0 if noise >= 1.0 else np.inf)
+        assert scorer.unmodelled.evidence < (3.0 if noise >= 1.0 else np.inf)
 
 
 def test_sizes_and_their_places() -> None:
@@ -177,13 +177,13 @@ def test_how_much_a_model_lacks_is_found() -> None:
     assert exact.score([(one, one.forms[0])]).evidence > 5.0
 
 
-def test_something_else_is_evident_where_no_column_is() -> None:
+def test_an_unmodelled_term_is_evident_where_no_column_is() -> None:
     rng = np.random.default_rng(7)
     what = replace(rows(7), most=np.full(3, 4.0), smooth=np.ones(3))
     third = ROWS // 3
     what.residuals[:third] += 8.0 * rng.normal(size=third)
     scorer = Scorer(what, 0)
-    assert scorer.other.evidence > 20.0
+    assert scorer.unmodelled.evidence > 20.0
     one = possible((0,), STD[:1])
     assert scorer.score([(one, one.forms[0])]).evidence < 5.0
 

@@ -11,11 +11,11 @@ import pytest
 from core.diagnosis.drawn import Urn, part, remade
 from shoecal_core.diagnosis.hypotheses import Hypothesis
 from shoecal_core.diagnosis.selection import (
-    Judged,
+    Ranked,
     Selection,
-    judged,
     material,
     over_all_runs,
+    rank,
     select,
 )
 from shoecal_core.diagnosis.settings import DiagnosisSettings
@@ -44,7 +44,7 @@ def test_an_urn_s_sums_are_those_of_its_residuals(urn: Urn) -> None:
 def test_of_noise_nothing_is_selected(urn: Urn, seed: int) -> None:
     found = select(urn.draw(np.random.default_rng(seed)), SETTINGS)
     assert found.chosen is None
-    assert found.other < needed(SETTINGS)
+    assert found.unmodelled < needed(SETTINGS)
 
 
 @pytest.mark.parametrize("label", TRUTHS)
@@ -136,7 +136,7 @@ def test_a_slip_that_only_the_legs_show_is_evident(urn: Urn) -> None:
     slipped[:, CLOSURE] = 0.01 * columns[0][:, CLOSURE]
     healthy = urn.draw(np.random.default_rng(7)).signal_model.residuals
     drawn = urn.showing(healthy + slipped)
-    found = {one.part[0].label: one for one in judged(drawn, None)}
+    found = {one.part[0].label: one for one in rank(drawn, None)}
     assert found["slip (left)"].log > needed(SETTINGS)
 
 
@@ -157,7 +157,7 @@ def test_runs_left_out_count_like_those_that_were_fitted(urn: Urn) -> None:
 def test_the_most_probable_by_all_runs_is_chosen(urn: Urn) -> None:
     """Not the one that is by the fitted runs alone."""
     drawn = urn.draw(np.random.default_rng(9), {"floor_tilt": [0.02, 0.012]})
-    first, second = (one for one in judged(drawn, None)[:2])
+    first, second = (one for one in rank(drawn, None)[:2])
     singles = [replace(first, log=30.0), replace(second, log=20.0)]
     assert chosen(drawn, singles) is first.part[0]
     singles = [replace(second, log=20.0, predicted=11.0), replace(first, log=30.0)]
@@ -177,7 +177,7 @@ def test_runs_left_out_count_for_further_causes_too(urn: Urn) -> None:
     assert ranked[0].predicted > 0.0
 
 
-def chosen(drawn: Workspace, singles: Sequence[Judged]) -> Hypothesis:
+def chosen(drawn: Workspace, singles: Sequence[Ranked]) -> Hypothesis:
     found = select(drawn, replace(SETTINGS, causes_max=1, material_m=0.0), singles)
     assert found.chosen is not None
     return found.chosen.parts[0][0]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from core.diagnosis.drawn import Urn, part
-from shoecal_core.diagnosis.shrink import excess, gap, judged, shrink
+from shoecal_core.diagnosis.shrink import excess, gap, judged_runs, shrink
 
 LABEL, SIZE = "joint_offset (LHipRoll)", [0.04]
 
@@ -51,4 +51,4 @@ def test_only_test_runs_count(urn: Urn) -> None:
     wild[drawn.rows_of(drawn.train)] *= 100.0
     assert gap(drawn, wild) == gap(drawn, before)
     assert shrink(drawn, before, wild).fraction == 0.0
-    assert judged(drawn) == drawn.test
+    assert judged_runs(drawn) == drawn.test

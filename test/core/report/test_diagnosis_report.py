@@ -13,7 +13,7 @@ from core.report.pages import read
 from core.robot import robots
 from core.shoe import shoes
 from shoecal_core.diagnosis import result
-from shoecal_core.diagnosis.result import Candidate, Diagnosis, Evidence, Fitted, Size, Where
+from shoecal_core.diagnosis.result import Diagnosis, Evidence, Fitted, NamedHypothesis, Size, Where
 from shoecal_core.errors import FileError
 from shoecal_core.report.diagnosis_report import diagnosis_page, write_diagnosis_report
 from shoecal_core.report.html import render
@@ -142,13 +142,19 @@ def test_what_is_simulated_is_told_first() -> None:
 
 
 def test_confused_and_no_motion_that_would_help() -> None:
-    alike = (Candidate("latency", ("left",), 0.6), Candidate("low_pass", ("left",), 0.4))
+    alike = (
+        NamedHypothesis("latency", ("left",), 0.6),
+        NamedHypothesis("low_pass", ("left",), 0.4),
+    )
     text = text_of(diagnoses.diagnosis(None, "ambiguous", ambiguity=alike, next_motion=None))
     assert "No motion was found that would part what is still confused" in text
 
 
 def test_what_cannot_be_told_apart_and_why() -> None:
-    alike = (Candidate("latency", ("left",), 0.6), Candidate("low_pass", ("left",), 0.3))
+    alike = (
+        NamedHypothesis("latency", ("left",), 0.6),
+        NamedHypothesis("low_pass", ("left",), 0.3),
+    )
     found = diagnoses.diagnosis(
         None, "ambiguous",
         causes=(diagnoses.cause("latency", "timing", ("left",), 0.6, delay=(0.01, "s")),),
@@ -239,7 +245,7 @@ def test_hostile_names_do_no_harm(evidence: Evidence) -> None:
         replace(slim(evidence), rivals=(replace(slim(evidence).without, label=HOSTILE),)),
         robot=HOSTILE, shoe=HOSTILE, notes=(HOSTILE,), cannot_detect=(HOSTILE,),
         causes=(bad,),
-        ranking=(Candidate(HOSTILE, (HOSTILE,), 0.5),),
+        ranking=(NamedHypothesis(HOSTILE, (HOSTILE,), 0.5),),
         where=(Where(HOSTILE, HOSTILE, None, HOSTILE, None, HOSTILE, None, 0.2),),
     )  # fmt: skip
     document = read(render(diagnosis_page(found, robots.load(NAO), shoes.shoe(SHOE))))

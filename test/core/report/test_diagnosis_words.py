@@ -5,12 +5,12 @@ import math
 import pytest
 
 from core.report import diagnoses
-from shoecal_core.diagnosis.result import Candidate, Size, Where
+from shoecal_core.diagnosis.result import NamedHypothesis, Size, Where
 from shoecal_core.planning.motion_catalogue import MOTION_KINDS
 from shoecal_core.report.diagnosis_words import (
     ALIKE,
     MOTIONS,
-    candidate_text,
+    hypothesis_text,
     label_text,
     listed,
     motion_text,
@@ -56,10 +56,10 @@ def test_places() -> None:
     assert place_text("mine", ("tail",)) == "tail"
 
 
-def test_labels_read_as_candidates() -> None:
-    one = Candidate("crosstalk", ("left/a", "left/b"), 0.5)
-    other = Candidate("floor_tilt", (), 0.5)
-    assert label_text(one.label) == candidate_text(one) == "crosstalk (cell left/a shows left/b)"
+def test_labels_read_as_hypotheses() -> None:
+    one = NamedHypothesis("crosstalk", ("left/a", "left/b"), 0.5)
+    other = NamedHypothesis("floor_tilt", (), 0.5)
+    assert label_text(one.label) == hypothesis_text(one) == "crosstalk (cell left/a shows left/b)"
     assert label_text(other.label) == "floor tilt"
     assert label_text(f"{one.label} and {other.label}").endswith("left/b) and floor tilt")
 

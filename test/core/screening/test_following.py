@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from core.shoe import shoes
-from shoecal_core.screening.following import StuckBlocks, halts, neighbours
+from shoecal_core.screening.following import StuckBlocks, all_stuck, neighbours
 
 FloatArray = NDArray[np.float64]
 
@@ -36,7 +36,7 @@ def held(readings: FloatArray, first: int, end: int, share: float = 1.0) -> Floa
 
 
 def found(readings: FloatArray) -> list[StuckBlocks]:
-    return halts(SHOE, readings, np.full(8, NOISE), range(8))
+    return all_stuck(SHOE, readings, np.full(8, NOISE), range(8))
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -50,24 +50,24 @@ def test_channels_that_follow_are_not_stuck(seed: int) -> None:
 )
 def test_a_stretch_is_found_with_its_share_and_its_law(first: int, end: int, share: float) -> None:
     readings = session()
-    (halt,) = found(held(readings, first, end, share))
-    assert halt.channel == 0
-    assert halt.share == pytest.approx(share, abs=0.02)
-    still = np.flatnonzero(halt.still)
+    (stuck,) = found(held(readings, first, end, share))
+    assert stuck.channel == 0
+    assert stuck.share == pytest.approx(share, abs=0.02)
+    still = np.flatnonzero(stuck.still)
     assert still[0] == pytest.approx(first, abs=4)
     assert still[-1] == pytest.approx(end - 1, abs=4)
-    np.testing.assert_allclose(halt.law[2:], LAW, atol=0.02)
-    np.testing.assert_allclose(halt.expected, readings[:, 0], atol=0.05)
+    np.testing.assert_allclose(stuck.law[2:], LAW, atol=0.02)
+    np.testing.assert_allclose(stuck.expected, readings[:, 0], atol=0.05)
 
 
 def test_a_channel_may_stick_again_and_again() -> None:
     readings = session()
     for first in range(100, 1200, 200):
         readings = held(readings, first, first + 120)
-    (halt,) = found(readings)
-    assert halt.channel == 0
-    assert np.count_nonzero(np.diff(halt.still.astype(int)) == 1) == 6
-    assert halt.still.sum() == pytest.approx(720, abs=40)
+    (stuck,) = found(readings)
+    assert stuck.channel == 0
+    assert np.count_nonzero(np.diff(stuck.still.astype(int)) == 1) == 6
+    assert stuck.still.sum() == pytest.approx(720, abs=40)
 
 
 @pytest.mark.parametrize("share", [0.3, 0.5])

@@ -12,7 +12,7 @@ from core.screening.recordings import Recording, read_coarsely, recording
 from shoecal_core.screening.blocks import Blocks, blocks
 from shoecal_core.screening.following import StuckBlocks
 from shoecal_core.screening.saturated import ended
-from shoecal_core.screening.unresponsive import Stuck, dead, halted, stuck
+from shoecal_core.screening.unresponsive import Stuck, dead, stuck, stuck_channels
 
 FloatArray = NDArray[np.float64]
 
@@ -27,12 +27,12 @@ def clean(request: pytest.FixtureRequest) -> Recording:
     return whole if request.param == "fine" else read_coarsely(whole, 10, 0.01)
 
 
-def halts(whole: Recording) -> list[StuckBlocks]:
-    return halted(whole.shoe, parts(whole), [])
+def blocks_of(whole: Recording) -> list[StuckBlocks]:
+    return stuck_channels(whole.shoe, parts(whole), [])
 
 
 def still(whole: Recording) -> list[Stuck]:
-    return stuck(parts(whole), halts(whole))
+    return stuck(parts(whole), blocks_of(whole))
 
 
 def test_living_cells(clean: Recording) -> None:
@@ -83,7 +83,7 @@ def test_a_cell_that_stops_answering(clean: Recording) -> None:
     # It may have been near its turning point already.
     assert 7.0 < first.start < 13.0
     assert first.end > 29.0
-    assert ended(parts(whole), halts(whole)) == []
+    assert ended(parts(whole), blocks_of(whole)) == []
 
 
 @pytest.mark.parametrize("share", [0.75, 0.9, 0.975])
@@ -94,17 +94,17 @@ def test_a_cell_that_shows_a_small_part_of_its_signal_is_stuck(share: float) -> 
             values[part] = values[1000] + (1.0 - share) * (values[part] - values[1000])
         return values
 
-    (halt,) = halts(recording().with_channel(3, hardly))
-    assert halt.channel == 3
-    assert halt.share == pytest.approx(share, abs=0.03)
-    assert set(np.flatnonzero(halt.still)) <= set(range(198, 247))
+    (one,) = blocks_of(recording().with_channel(3, hardly))
+    assert one.channel == 3
+    assert one.share == pytest.approx(share, abs=0.03)
+    assert set(np.flatnonzero(one.still)) <= set(range(198, 247))
 
 
 def test_a_cell_with_a_smaller_gain_for_a_while_is_not_stuck() -> None:
     def less(run: int, values: FloatArray) -> FloatArray:
         return values if run != 2 else values[1000] + 0.5 * (values - values[1000])
 
-    assert halts(recording().with_channel(3, less)) == []
+    assert blocks_of(recording().with_channel(3, less)) == []
 
 
 def test_a_moment_may_stay_while_the_other_one_moves() -> None:
@@ -116,7 +116,7 @@ def test_a_moment_may_stay_while_the_other_one_moves() -> None:
     assert {one.channel for one in still(whole)} == {0}
     moments = tuple(replace(channel, torque=True) for channel in whole.shoe.channels)
     shoe = replace(whole.shoe, channels=moments)
-    assert halted(shoe, parts(whole), []) == []
+    assert stuck_channels(shoe, parts(whole), []) == []
 
 
 def test_a_foot_in_the_air_has_no_stuck_cells() -> None:
@@ -135,7 +135,7 @@ def test_a_cell_that_stays_at_one_end_again_and_again() -> None:
     level = float(np.quantile(values, 0.55))
     cut = whole.with_channel(channel, lambda _, one: np.minimum(one, level))
     assert {one.channel for one in still(cut)} == {channel}
-    (found,) = ended(parts(cut), halts(cut))
+    (found,) = ended(parts(cut), blocks_of(cut))
     assert found.channel == channel
     assert found.level == pytest.approx(level)
     assert found.share == pytest.approx(0.45, abs=0.02)

@@ -1,4 +1,4 @@
-"""Cables that were exchanged are found, and none where none are."""
+"""Cables that were swapped are found, and none where none are."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import pytest
 from core.diagnosis.rewritten import rewritten
 from shoecal_core.diagnosis.baseline import first_parameters
 from shoecal_core.diagnosis.diagnose import Wanted, diagnose
-from shoecal_core.diagnosis.rewiring import rewired
 from shoecal_core.diagnosis.settings import DiagnosisSettings
+from shoecal_core.diagnosis.swapped_channels import swapped_channels
 from shoecal_core.diagnosis.workspace import Workspace, make_workspace
 from shoecal_core.error_sources.effects.geometry import SwappedCells
 from shoecal_core.error_sources.signal_model import make_signal_model
@@ -24,7 +24,7 @@ SETTINGS, EFFECTS = DiagnosisSettings(), (SwappedCells(),)
 
 
 def swapped(workspace: Workspace, one: int, other: int) -> Workspace:
-    """The session as it would be had two cables been exchanged."""
+    """The session as it would be had two cables been swapped."""
     samples = workspace.signal_model.samples
     order = np.arange(len(samples.shoe.channels))
     order[[one, other]] = other, one
@@ -38,10 +38,10 @@ def swapped(workspace: Workspace, one: int, other: int) -> Workspace:
 
 
 @pytest.mark.parametrize(("one", "other"), [(0, 3), (2, 5)])
-def test_exchanged_cables_are_found(workspace: Workspace, one: int, other: int) -> None:
+def test_swapped_cables_are_found(workspace: Workspace, one: int, other: int) -> None:
     names = workspace.signal_model.samples.shoe.names
     crossed = swapped(workspace, one, other)
-    found = rewired(crossed, EFFECTS, SETTINGS)
+    found = swapped_channels(crossed, EFFECTS, SETTINGS)
     assert found is not None
     assert set(found.hypothesis.place) == {names[one], names[other]}
     before, after = (
@@ -55,15 +55,17 @@ def test_cables_that_are_right_stay(workspace: Workspace) -> None:
     usual = make_workspace(
         workspace.signal_model, EFFECTS, workspace.train, workspace.test, SETTINGS, Tolerances()
     )
-    assert len(usual.catalogue.rewired) == 28
-    assert rewired(usual, EFFECTS, SETTINGS) is None
+    assert len(usual.catalogue.swapped) == 28
+    assert swapped_channels(usual, EFFECTS, SETTINGS) is None
     assert (
-        rewired(replace(usual, catalogue=replace(usual.catalogue, rewired=())), EFFECTS, SETTINGS)
+        swapped_channels(
+            replace(usual, catalogue=replace(usual.catalogue, swapped=())), EFFECTS, SETTINGS
+        )
         is None
     )
 
 
-def test_an_exchange_that_test_runs_deny_is_none(workspace: Workspace) -> None:
+def test_a_swap_that_test_runs_deny_is_none(workspace: Workspace) -> None:
     """In the training runs alone something else looks like it."""
     crossed = swapped(workspace, 0, 3)
     samples = crossed.signal_model.samples
@@ -73,9 +75,9 @@ def test_an_exchange_that_test_runs_deny_is_none(workspace: Workspace) -> None:
     readings = np.where(here, samples.readings[:, order], samples.readings)
     signal_model = replace(crossed.signal_model, samples=replace(samples, readings=readings))
     denied = replace(crossed, signal_model=signal_model)
-    assert rewired(crossed, EFFECTS, SETTINGS) is not None
-    assert rewired(denied, EFFECTS, SETTINGS) is None
-    assert rewired(replace(denied, test=()), EFFECTS, SETTINGS) is not None
+    assert swapped_channels(crossed, EFFECTS, SETTINGS) is not None
+    assert swapped_channels(denied, EFFECTS, SETTINGS) is None
+    assert swapped_channels(replace(denied, test=()), EFFECTS, SETTINGS) is not None
 
 
 def test_who_asks_for_them_alone_is_told_of_them_alone(

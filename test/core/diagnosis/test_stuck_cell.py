@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from core.diagnosis.rewritten import rewritten
 from shoecal_core.diagnosis.diagnose import Wanted, diagnose
-from shoecal_core.diagnosis.stopped import stopped
+from shoecal_core.diagnosis.stuck_cell import stuck_cell
 from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.error_sources.effects.load_cell import StuckCell
 from shoecal_core.recording.run import Run
@@ -48,7 +48,7 @@ def test_a_cell_that_gets_stuck_is_found_and_mended(
     time = when * float(samples.clock.max())
     time += 0.1 + float(samples.clock[samples.clock >= time].min()) - time
     broken = stuck(samples, channel, time, share)
-    found = stopped(broken)
+    found = stuck_cell(broken)
     assert found is not None
     assert found.channel == channel
     assert found.time == pytest.approx(time, abs=1.0)
@@ -94,7 +94,7 @@ def test_a_cell_may_be_stuck_for_a_while_in_any_run(
     time = in_run(samples, *begins)
     end = np.inf if ends is None else in_run(samples, *ends)
     broken = stuck(samples, channel, time, 1.0, end)
-    found = stopped(broken)
+    found = stuck_cell(broken)
     assert found is not None
     assert found.channel == channel
     assert found.time == pytest.approx(time, abs=1.0)
@@ -116,7 +116,7 @@ def test_a_cell_that_is_stuck_from_the_beginning_shows_what_the_weight_leaves(
     samples = workspace.signal_model.samples
     channel = 4
     broken = stuck(samples, channel, living, 1.0)
-    found = stopped(broken)
+    found = stuck_cell(broken)
     assert found is not None
     assert found.channel == channel
     # A cell that hardly moves yet may as well be stuck already.
@@ -136,21 +136,21 @@ def test_a_cell_that_reaches_its_end_is_not_stuck(workspace: Workspace) -> None:
         return shown
 
     tracks = tuple(replace(one, readings=cut(one.readings)) for one in samples.tracks)
-    assert stopped(replace(samples, tracks=tracks, readings=cut(samples.readings))) is None
+    assert stuck_cell(replace(samples, tracks=tracks, readings=cut(samples.readings))) is None
 
 
 def test_cells_that_go_on_are_not_stuck(workspace: Workspace) -> None:
-    assert stopped(workspace.signal_model.samples) is None
+    assert stuck_cell(workspace.signal_model.samples) is None
 
 
 def test_a_gain_that_changes_little_is_no_stuck_cell(workspace: Workspace) -> None:
     samples = workspace.signal_model.samples
-    assert stopped(stuck(samples, 2, 0.5 * float(samples.clock.max()), 0.3)) is None
+    assert stuck_cell(stuck(samples, 2, 0.5 * float(samples.clock.max()), 0.3)) is None
 
 
 def test_what_it_tells_is_a_cause(workspace: Workspace) -> None:
     samples = workspace.signal_model.samples
-    found = stopped(stuck(samples, 0, 0.4 * float(samples.clock.max()), 1.0))
+    found = stuck_cell(stuck(samples, 0, 0.4 * float(samples.clock.max()), 1.0))
     assert found is not None
     cause = found.cause(workspace, workspace)
     assert cause.location == (samples.shoe.names[0],)

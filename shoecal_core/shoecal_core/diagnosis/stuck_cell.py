@@ -2,7 +2,7 @@
 
 What screening finds, a diagnosis finds: a cell whose readings follow from the others' by one law,
 and do not for some time. What it should have shown then follows from that law: with that in its
-place, gains are fitted and all else is looked for as if it had never stopped.
+place, gains are fitted and all else is looked for as if it had never got stuck.
 
 A cell that is stuck from the first sample to the last, or nearly so, has no such law. In its place
 comes what the weight leaves for it: the other cells' gains g and offsets o are those that fit the
@@ -27,7 +27,7 @@ from shoecal_core.samples.samples import Samples
 from shoecal_core.samples.stretches import Stretch
 from shoecal_core.screening.blocks import reading_blocks
 from shoecal_core.screening.saturated import ended
-from shoecal_core.screening.unresponsive import away, dead, halted
+from shoecal_core.screening.unresponsive import away, dead, stuck_channels
 from shoecal_core.shoe.wrench import at_cop, by_parameters, columns_in_left, combined, weight_below
 
 FloatArray = NDArray[np.float64]
@@ -37,7 +37,7 @@ SHARE_ERROR = 0.05
 
 
 @dataclass(frozen=True)
-class Stopped:
+class StuckChannel:
     """A cell that got stuck.
 
     Attributes:
@@ -90,7 +90,7 @@ class Stopped:
         return corrected
 
 
-def stopped(samples: Samples) -> Stopped | None:
+def stuck_cell(samples: Samples) -> StuckChannel | None:
     """The cell that most clearly was stuck, if one was."""
     tracks = sorted(samples.tracks, key=lambda one: one.start)
     runs = {one.run: reading_blocks(one.time, one.readings) for one in tracks}
@@ -104,17 +104,19 @@ def stopped(samples: Samples) -> Stopped | None:
         if channel in cells and (law := _law_by_weight(samples, channel, silent)) is not None:
             first = _longest(away(samples.shoe, runs, channel))
             step = _step(clock, first)
-            return Stopped(channel, float(moments[first]), ((start, np.inf),), step, 1.0, law)
-    found = halted(samples.shoe, runs, silent)
+            return StuckChannel(channel, float(moments[first]), ((start, np.inf),), step, 1.0, law)
+    found = stuck_channels(samples.shoe, runs, silent)
     at_end = {one.channel for one in ended(runs, found)}
-    for halt in found:
-        if halt.channel in cells and halt.channel not in at_end:
-            edges = np.flatnonzero(np.diff(np.concatenate(([False], halt.still, [False]))))
+    for stuck in found:
+        if stuck.channel in cells and stuck.channel not in at_end:
+            edges = np.flatnonzero(np.diff(np.concatenate(([False], stuck.still, [False]))))
             stretches = tuple(
                 (float(moments[first]), float(moments[end])) for first, end in edges.reshape(-1, 2)
             )
             step = _step(clock, int(edges[0]))
-            return Stopped(halt.channel, stretches[0][0], stretches, step, halt.share, halt.law)
+            return StuckChannel(
+                stuck.channel, stretches[0][0], stretches, step, stuck.share, stuck.law
+            )
     return None
 
 

@@ -26,7 +26,7 @@ LEVER = 0.04
 
 
 @dataclass(frozen=True)
-class Exchange:
+class Swap:
     """A wiring that explains much more than the shoe file's.
 
     Attributes:
@@ -51,29 +51,29 @@ class Exchange:
         )
 
 
-def rewired(
+def swapped_channels(
     workspace: Workspace,
     effects: Sequence[Effect],
     settings: DiagnosisSettings,
     wanted: Callable[[str, Place], bool] = lambda _effect, _place: True,
-) -> Exchange | None:
+) -> Swap | None:
     """The best other wiring, where it is clearly better; all else is then looked for under it.
 
     Wrenches are linear in gains and offsets whatever the wiring, so a quick look is one linear
     least squares each; the best is then fitted in full.
     """
-    if not workspace.catalogue.rewired:
+    if not workspace.catalogue.swapped:
         return None
     usual = _misfits(workspace, workspace.signal_model.wiring)
     found = []
-    for hypothesis in workspace.catalogue.rewired:
+    for hypothesis in workspace.catalogue.swapped:
         signal_model = hypothesis.forms[0].shape.signal_model
         assert signal_model is not None
         found.append((_misfits(workspace, signal_model.wiring), hypothesis, signal_model))
     misfits, hypothesis, signal_model = min(found, key=lambda one: one[0])
     if any(now > CLEARLY * before for now, before in zip(misfits, usual, strict=True)):
         return None
-    return Exchange(
+    return Swap(
         hypothesis,
         make_workspace(
             signal_model,
