@@ -100,10 +100,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         atomic_write(file, text)
     notes = {out: robot_notes(draft), shoe: shoe_notes(draft)}
     if converted is not None:
-        assumed = [
-            Note("joint", f"{one}.", "give the motors' own there.") for one in converted.assumed
-        ]
-        notes = {urdf: assumed, **notes}
+        notes = {urdf: [*converted.assumed], **notes}
     for file, to_check in notes.items():
         _print_notes(console, file, to_check)
     console.print(

@@ -19,6 +19,7 @@ from mujoco import mjtEq, mjtGeom, mjtJoint, mjtObj, mjtSensor, mjtTrn
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
+from shoecal_core.drafting.notes import Note
 from shoecal_core.files import atomic_write, make_folder
 from shoecal_core.robot.mjcf import MjcfError, read_mjcf
 from shoecal_core.robot.urdf import written
@@ -43,12 +44,12 @@ class Converted:
     Attributes:
         urdf: its text.
         meshes: STL files by the paths that the URDF names them by.
-        assumed: what the MJCF does not say and was put in, in words.
+        assumed: what the MJCF does not say and was put in, with what to check.
     """
 
     urdf: str
     meshes: Mapping[str, bytes]
-    assumed: tuple[str, ...]
+    assumed: tuple[Note, ...]
 
     def write(self, urdf: Path) -> Path:
         """Write the URDF, and the meshes next to it; the URDF's path."""
@@ -97,14 +98,22 @@ class _Writer:
         self._write_sensors()
         ElementTree.indent(self._robot)
         text = ElementTree.tostring(self._robot, encoding="unicode")
-        assumed = [f"MJCF has no speeds of motors: {SPEED:g} rad/s is each one's limit"]
+        own = "give the motors' own there."
+        speeds = f"MJCF has no speeds of motors: {SPEED:g} rad/s is each one's limit."
+        assumed = [Note("joint", speeds, own)]
         if self._base == 0:
-            assumed.append("all hangs on the world, where the base's mass is lost")
+            lost = "all hangs on the world, where the base's mass is lost."
+            cure = "make the base a body with a free joint and its mass, and draft again."
+            assumed.append(Note("link", lost, cure))
         if self._loose:
-            assumed.append(f"{', '.join(self._loose)}: play of gears, not joints: fixed")
+            loose = f"{', '.join(self._loose)}: play of gears, not joints: fixed."
+            look = "no motor turns them; the robot file's joint_deflection has their play."
+            assumed.append(Note("joint", loose, look))
         if self._weak:
-            effort = EFFORT_M * self._weight
-            assumed.append(f"{', '.join(self._weak)}: no limit of torque, {effort:.3g} N m put in")
+            effort = f"{EFFORT_M * self._weight:.3g} N m put in."
+            assumed.append(
+                Note("joint", f"{', '.join(self._weak)}: no limit of torque, {effort}", own)
+            )
         return Converted(f"{text}\n", self._meshes, tuple(assumed))
 
     def _find_base(self) -> int:

@@ -44,10 +44,14 @@ _FAULTS = (*DAMAGE, AnyReaderError, sqlite3.Error, AssertionError, TypeError, EO
 
 @dataclass(frozen=True)
 class Topic:
-    """One topic of a bag: its type, such as `sensor_msgs/msg/Imu`, and number of messages."""
+    """One topic of a bag: its type, such as `sensor_msgs/msg/Imu`, and number of messages.
+
+    Without a definition of its type its messages cannot be read.
+    """
 
     type: str
     count: int
+    defined: bool = True
 
 
 @dataclass(frozen=True)
@@ -108,8 +112,9 @@ class Bag:
             reader = AnyReader([path], default_typestore=typestore())
             self._reader = stack.enter_context(reader)
             self._connections = list(reader.connections)
+            defined = {None, *reader.typestore.fielddefs}
             self.topics = {
-                name: Topic(info.msgtype or "several types", info.msgcount)
+                name: Topic(info.msgtype or "several types", info.msgcount, info.msgtype in defined)
                 for name, info in reader.topics.items()
             }
             self.start_ns, self.end_ns = reader.start_time, reader.end_time
@@ -135,6 +140,13 @@ class Bag:
         wanted = [one for one in self._connections if one.topic in topics]
         if not wanted:
             return
+        for one in wanted:
+            if one.msgtype not in self._reader.typestore.fielddefs:
+                raise RecordingError(
+                    self.path,
+                    f"{one.topic} is of {one.msgtype}, which the bag does not define; convert it "
+                    "where that type is installed: `ros2 bag convert` to mcap",
+                )
         with self._damage():
             for one, received, data in self._reader.messages(wanted, from_ns, to_ns):
                 if data.startswith(ZSTD):  # of a bag that compresses message by message

@@ -41,8 +41,10 @@ def number_at(content: Any, path: str) -> float:
             raise LookupError(path)
         found = getattr(found, match.group(1))
         for place in re.findall(r"\d+", match.group(2)):
+            if not isinstance(found, list | np.ndarray):
+                raise LookupError(path)
             found = found[int(place)]
-    if not isinstance(found, bool | int | float | np.number):
+    if not isinstance(found, int | float | np.number | np.bool_):
         raise LookupError(path)
     return float(found)
 

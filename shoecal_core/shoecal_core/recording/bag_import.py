@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -111,6 +112,8 @@ class _Importer:
                     )
         for foot in mapping.wrenches:
             foreign.check_six_axis(mapping.path, f"wrenches.{foot}", shoe, foot)
+        fields = mapping.joints.fields.values()
+        self._joints_by_field = {name for names in fields for name in names.values()}
         self._base_T_link = _base_T_link(mapping)
 
     def run(self, path: Path, trial: BagTrial) -> ImportedRun:
@@ -162,12 +165,10 @@ class _Importer:
             (f"wrenches.{foot}.topic", [wrench.topic], [WRENCH])
             for foot, wrench in mapping.wrenches.items()
         ]
+        by_field = {"joints.topics": mapping.joints.fields, "cells.topics": mapping.cells.fields}
         for key, topics, types in kinds:
             for topic in topics:
-                if topic in bag.topics and topic in {
-                    **mapping.joints.fields,
-                    **mapping.cells.fields,
-                }:
+                if topic in bag.topics and topic in by_field.get(key, {}):
                     continue
                 fitting = [name for name, one in bag.topics.items() if one.type in types]
                 if topic not in fitting:
@@ -210,9 +211,11 @@ class _Importer:
         """Messages of a run made of those of one topic of the bag."""
         mapping = self._mapping
         contents = [message.content for message in received]
-        for own in (mapping.joints, mapping.cells):
-            if topic in own.fields:
-                return self._numbers(path, topic, own, stamps, contents)
+        # One message may hold both.
+        by_field = [own for own in (mapping.joints, mapping.cells) if topic in own.fields]
+        if by_field:
+            made = [self._numbers(path, topic, own, stamps, contents) for own in by_field]
+            return list(chain.from_iterable(made))
         if topic in mapping.joints.topics:
             return self._joint_states(path, topic, stamps, contents, notes)
         if topic in mapping.cells.topics:
@@ -309,6 +312,7 @@ class _Importer:
             renamed = [self._mapping.joints.rename.get(name, name) for name in names]
             own = [place for place, name in enumerate(renamed) if name in self._urdf.joints]
             unknown |= set(renamed) - self._urdf.joints
+            self._require_no_field(topic, renamed)
             if not own:
                 continue
             kept, rows = samples.ordered()
@@ -325,6 +329,13 @@ class _Importer:
         if unknown:
             notes.append(f"{topic}: joints that the robot lacks left out: {_few(unknown)}")
         return found
+
+    def _require_no_field(self, topic: str, names: Sequence[str]) -> None:
+        """Refuse joints that a field of another topic gives, too."""
+        twice = sorted(self._joints_by_field & set(names))
+        if twice:
+            problem = f"'{twice[0]}' is given by a field and by {topic}; leave one of them out"
+            raise FieldError(self._mapping.path, problem, field="joints")
 
     def _voltages(self, stamps: list[int], contents: list[Any]) -> list[StampedMessage]:
         rename = self._mapping.cells.rename
@@ -400,9 +411,9 @@ def _imu(frame: str, stamps: list[int], contents: list[Any]) -> list[StampedMess
 
 def stamp_ns(content: Any) -> int:
     """Stamp of a message's header; 0 where its sender set none, or where it has no header."""
-    if not hasattr(content, "header"):
+    stamp = getattr(getattr(content, "header", None), "stamp", None)
+    if stamp is None or not hasattr(stamp, "sec"):
         return 0
-    stamp = content.header.stamp
     return int(stamp.sec) * messages.SECOND_NS + int(stamp.nanosec)
 
 

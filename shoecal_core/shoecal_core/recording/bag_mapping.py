@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -176,6 +177,10 @@ def _named_topics(fields: Fields) -> NamedTopics:
     for topic, names in by_path.items():
         if not names:
             raise fields.error(topic, "names no field; write {FIELD: NAME, ...}")
+    listed = [name for names in by_path.values() for name in names.values()]
+    twice = [name for name, count in Counter(listed).items() if count > 1]
+    if twice:
+        raise fields.error(own[0], f"'{twice[0]}' is given by two fields; leave one of them out")
     topics = tuple(fields.texts("topics")) if "topics" in fields or not own else ()
     if not topics and not own:
         raise fields.error("topics", "is empty; name the topics")

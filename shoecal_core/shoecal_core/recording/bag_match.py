@@ -92,7 +92,10 @@ KNOWN = frozenset({JOINT_STATE, WRENCH, IMU, SHOE_VOLTAGES_TYPE, *POSE_TYPES})
 
 def what_is_there(bag: Bag) -> str:
     """Its topics, for who looks for one that is not there."""
-    topics = [f"{name} ({one.type}, {one.count} messages)" for name, one in bag.topics.items()]
+    topics = [
+        f"{name} ({one.type}, {one.count} messages{'' if one.defined else ', without definition'})"
+        for name, one in bag.topics.items()
+    ]
     return f"it holds {', '.join(topics) or 'no topics'}"
 
 

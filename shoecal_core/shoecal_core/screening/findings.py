@@ -160,9 +160,14 @@ def of_zeros(found: MovedZeros | None, weight: float) -> list[Finding]:
     )
     than = _runs(found.reference)
     if found.less:
+        less = (
+            f"{_runs(found.less)} {'read' if found.less[1:] else 'reads'} "
+            f"{found.part or weight:.1f} N less than {than}, "
+        )
         text = (
-            f"{_runs(found.less)} {'read' if found.less[1:] else 'reads'} {weight:.1f} N less than "
-            f"{than}, all of the robot's weight: {tare}"
+            f"{less}each by as much: if the robot carried nothing and was not held, some of {tare}"
+            if found.part
+            else f"{less}all of the robot's weight: {tare}"
         )
         return [Finding("FAIL", text, Fault.MOVED_ZEROS)]
     moved = " and ".join(f"{1e3 * one:.0f}" for one in found.cop.values())

@@ -81,20 +81,21 @@ def screen_standing(
     parts = {run: blocks(without(one, hanging.get(run)), shoe) for run, one in aligned.items()}
     information = prior(shoe, parts, weight, settings)
     several = len(aligned) > 1
+    rows = {run: equations(one, weight, settings) for run, one in parts.items()}
     if several:
+        # First: zeros that move look like exchanged cables and like cells that stop.
+        height = float(np.median([np.median(one.states.com[:, 0, 2]) for one in aligned.values()]))
+        moved = moved_zeros(rows, information, weight, height, settings)
+        found = found.adding(words.of_zeros(moved, weight))
+    if several and not found.fails:
         wiring = check_wiring(shoe, parts, information, weight, settings)
         found = found.adding(words.of_wiring(shoe, wiring))
     if found.fails:
         return found
-    rows = {run: equations(one, weight, settings) for run, one in parts.items()}
     fit = solve(reweighed(rows, information), information)
     missing = {run: settings.force_std_n * one.off(fit.vector)[0] for run, one in rows.items()}
     ended = saturated(parts, missing, fit.parameters.gain, settings)
     found = found.adding(words.of_saturated(shoe, ended))
-    if several and not found.fails:
-        height = float(np.median([np.median(one.states.com[:, 0, 2]) for one in aligned.values()]))
-        moved = moved_zeros(rows, information, weight, height, settings)
-        found = found.adding(words.of_zeros(moved, weight))
     if found.fails:
         return found
     wrong = wrong_weights(rows, information, settings) if several else []

@@ -9,7 +9,7 @@ One run's stances fix three numbers of its zeros, no more: so b_r (F, Mx, My), n
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -29,6 +29,8 @@ SAME = 0.05
 TILT_RAD = 0.05
 """What errors of joints, floor and feet move the CoP by from run to run, as a tilt of the robot:
 faults of joints and floors that were tried gave up to 0.03."""
+PART, LEAST_RUNS = 0.2, 2
+"""Part of the weight by which a tare of some cells sets runs apart, and runs on either side."""
 LEFT = 0.2
 """Of what the runs contradict each other by, the most that zeros of their own may leave. Of a tare
 they leave a hundredth; of other faults mostly all."""
@@ -39,14 +41,16 @@ class MovedZeros:
     """Runs whose zeros differ from each other's.
 
     Attributes:
-        less: runs that show as much less than others as the robot weighs; mostly empty.
+        less: runs that show less than others by the robot's weight, or `part`; mostly empty.
         reference: the runs that the others are compared with.
         cop: by run, what the zeros move the CoP by against the reference [m].
+        part: that `less` show less, where it is only a part of the weight; 0: all of it [N].
     """
 
     less: tuple[int, ...]
     reference: tuple[int, ...]
     cop: Mapping[int, float]
+    part: float = 0.0
 
 
 def moved_zeros(
@@ -84,7 +88,30 @@ def moved_zeros(
         less = less or [run for run in numbers if run not in more]
         rest = tuple(run for run in numbers if run not in less)
         return MovedZeros(tuple(less), rest, cop)
+    if apart := _apart(numbers, shift[:, 0], weight):
+        return apart
     return MovedZeros((), (numbers[at],), cop) if cop else None
+
+
+def _apart(runs: Sequence[int], force: FloatArray, weight: float) -> MovedZeros | None:
+    """Two groups of runs that differ by one part of the weight: some cells were zeroed.
+
+    A single run that differs is left to `weights`: it may as well carry something.
+
+    Args:
+        force: (R,) that the runs read less than others [N].
+    """
+    order = np.argsort(force)
+    at = int(np.argmax(np.diff(force[order]))) + 1
+    more, less = order[:at], order[at:]
+    within = max(float(np.ptp(force[group])) for group in (more, less))
+    if min(len(more), len(less)) < LEAST_RUNS or within > WHOLE * weight:
+        return None
+    apart = float(np.median(force[less]) - np.median(force[more]))
+    if apart < PART * weight:
+        return None
+    first, second = (tuple(sorted(runs[one] for one in group)) for group in (less, more))
+    return MovedZeros(first, second, {}, apart)
 
 
 def _shifts(

@@ -11,6 +11,7 @@ import pinocchio as pin
 import pytest
 from numpy.testing import assert_allclose
 
+from core.shoe.shoes import ROOT
 from shoecal_core.drafting.body import find_shapes, read_body
 from shoecal_core.drafting.mjcf import EFFORT_M, SPEED, as_urdf
 from shoecal_core.robot.mjcf import MjcfError
@@ -113,10 +114,19 @@ def test_limits_of_motors_are_found_or_said_to_be_put_in(odd: Path) -> None:
         {"yaw": 6.0, "roll": 15.0, "slide": EFFORT_M * weight, "ankle": 4.0}, rel=1e-5
     )
     assert {float(one.get("velocity", "")) for one in limits.values() if one is not None} == {SPEED}
-    told = "\n".join(made.assumed)
+    told = "\n".join(one.found for one in made.assumed)
     for word in ("slide", "loose", "3 rad/s"):
         assert word in told
     assert "ankle" not in told
+
+
+def test_a_base_that_hangs_on_the_world_is_to_get_a_free_joint(tmp_path: Path) -> None:
+    fixed = tmp_path / "fixed.xml"
+    spec = mujoco.MjSpec.from_file(str(ROOT / "config/robots/wren.urdf"))
+    spec.compile()
+    fixed.write_text(spec.to_xml())
+    (lost,) = (one for one in as_urdf(fixed, "meshes").assumed if "hangs on the world" in one.found)
+    assert "free joint" in lost.look
 
 
 @pytest.mark.parametrize(

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import math
+import sqlite3
 from collections.abc import Mapping, Sequence
+from contextlib import closing
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from mcap.reader import make_reader
+from mcap.writer import Writer
 from rosbags.typesys import get_types_from_msg
 
 from core.recording import bags
@@ -157,6 +162,11 @@ def test_an_array_is_taken_in_the_order_of_the_shoe_file_and_that_is_to_be_check
     [
         ({"/load_cells": {"data[9]": "left/front_left"}}, r"have no number 'data\[9\]'; there are"),
         ({"/load_cells": {"datum": "left/front_left"}}, "have no number 'datum'; there are"),
+        ({"/load_cells": {"data[0][0]": "left/front_left"}}, r"have no number 'data\[0\]\[0\]'"),
+        (
+            {"/load_cells": {"data[0]": "left/front_left", "data[1]": "left/front_left"}},
+            "'left/front_left' is given by two fields",
+        ),
         ({"/load_cells": {"data[0]": "left/toe"}}, "'left/toe' is no channel of 'nao_shoe'"),
         ({"/load_cells": {}}, "names no field"),
         ({"/cells": {"data[0]": "left/front_left"}}, "'/cells' is missing in"),
@@ -180,6 +190,85 @@ def test_topics_that_fit_nothing_are_listed(tmp_path: Path) -> None:
     recording.bag.add(0.0, "/odd", recording.bag.make("team_msgs/msg/Odd", speed=1.0))
     with pytest.raises(FileError, match=r"it holds .*/odd \(team_msgs/msg/Odd, 1 messages\)"):
         recording.imported(tmp_path)
+
+
+def test_one_message_holds_joints_and_cells(tmp_path: Path) -> None:
+    kind, names = "team_msgs/msg/All", load_robot(ROBOT, load_shoe(SHOE)).joint_names
+    cells = [f"{side}/{place}" for side in ("left", "right") for place in CORNERS]
+    fields = [cell.replace("/", "_") for cell in cells]
+    joints = "".join(f"float64 {name.lower()}\n" for name in names)
+    recording = Recording(
+        tmp_path, {kind: HEADER + joints + "".join(f"float64 {field}\n" for field in fields)}
+    )
+    for time in times():
+        angles = {name.lower(): posture(name) for name in names}
+        readings = {f: recording.value(cell, time) for f, cell in zip(fields, cells, strict=True)}
+        values = {"header": recording.bag.header(time), **angles, **readings}
+        recording.bag.add(time, "/all", recording.bag.make(kind, **values))
+    session = recording.imported(tmp_path)
+    recording.assert_arrived(session)
+    assert set(session.read(1).joints.names) == set(names)
+
+
+@pytest.mark.parametrize("format_", ["mcap", "sqlite3"])
+@pytest.mark.parametrize("header", ["uint32 header", "std_msgs/Header header", "float64 header"])
+def test_what_the_bag_does_not_define_is_named(tmp_path: Path, format_: str, header: str) -> None:
+    """As recorders write messages whose package is not installed; and headers of another kind."""
+    kind = "team_msgs/msg/Fsr"
+    recording = Recording(tmp_path, {})
+    recording.bag = bags.BagWriter(tmp_path, "bag", format_)
+    recording.bag.store.register(get_types_from_msg(f"{header}\nfloat64[8] data\n", kind))
+    recording.joint_states()
+    for time in times():
+        own = recording.bag.header(time) if "Header" in header else 1
+        message = recording.bag.make(kind, header=own, data=np.arange(8.0))
+        recording.bag.add(time, "/fsr", message)
+    session = recording.imported(tmp_path)
+    np.testing.assert_allclose(np.nanmax(session.read(1).readings.value, axis=0), np.arange(8.0))
+    _without_definitions(tmp_path / "bag", "team_msgs")
+    with pytest.raises(FileError, match=r"/fsr \(.* messages, without definition\)"):
+        draft_mapping([tmp_path / "bag"], recording.robot, recording.shoe)
+    with pytest.raises(FileError, match=f"/fsr is of {kind}, which the bag does not define"):
+        import_bags(tmp_path / "mapping.yaml", tmp_path, tmp_path / "again")
+
+
+def _without_definitions(folder: Path, package: str) -> None:
+    """Take a package's definitions out of a bag."""
+    for database in folder.glob("*.db3"):
+        with closing(sqlite3.connect(database)) as connection, connection:
+            connection.execute("DELETE FROM message_definitions")
+    for path in folder.glob("*.mcap"):
+        with BytesIO(path.read_bytes()) as source, path.open("wb") as target:
+            writer = Writer(target)
+            writer.start(profile="ros2")
+            channels: dict[int, int] = {}
+            for schema, channel, message in make_reader(source).iter_messages():
+                assert schema is not None
+                if channel.id not in channels:
+                    kept = not schema.name.startswith(package)
+                    given = (schema.encoding, schema.data) if kept else ("", b"")
+                    channels[channel.id] = writer.register_channel(
+                        channel.topic,
+                        channel.message_encoding,
+                        writer.register_schema(schema.name, *given),
+                        channel.metadata,
+                    )
+                writer.add_message(channels[channel.id], message.log_time, message.data, 0)
+            writer.finish()
+
+
+def test_a_joint_by_a_field_and_by_a_topic_is_refused(tmp_path: Path) -> None:
+    test_an_array_is_taken_in_the_order_of_the_shoe_file_and_that_is_to_be_checked(tmp_path)
+    mapping = tmp_path / "mapping.yaml"
+    fields = read_yaml(mapping)
+    values = {key: fields.value(key) for key in fields.keys()}
+    joints = {"topics": ["/joint_states"], "/load_cells": {"data[0]": "HeadYaw"}}
+    write_yaml(mapping, values | {"joints": joints})
+    with pytest.raises(FileError, match="'HeadYaw' is given by a field and by /joint_states"):
+        import_bags(mapping, tmp_path, tmp_path / "again")
+    write_yaml(mapping, values | {"imu": {"topic": "/load_cells"}})
+    with pytest.raises(FileError, match=r"imu\.topic: '/load_cells' is std_msgs"):
+        import_bags(mapping, tmp_path, tmp_path / "again")
 
 
 @given(st.permutations(range(4)), st.sampled_from(["{0}/{1}", "{1}_{0}", "cell_{0}_{1}.value"]))

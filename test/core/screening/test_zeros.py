@@ -54,6 +54,21 @@ def test_a_tare_under_load_before_some_runs(runs: tuple[int, ...]) -> None:
     assert "zeroed (tare) under load" in finding.reason
 
 
+@pytest.mark.parametrize("foot", ["left", "right"])
+def test_a_tare_of_one_foot_under_load_before_later_runs(foot: str) -> None:
+    """It is no question of cables, and no run is better than the others."""
+    whole = recording(count=5)
+    own = np.array([name.startswith(foot) for name in whole.shoe.names])
+    readings = whole.aligned[3].readings
+    zero = readings[int(0.6 * len(readings))] * own
+    moved = found(whole.with_readings(lambda run, values: values - zero * (run >= 3)))
+    assert moved is not None
+    assert (moved.less, moved.reference) == ((3, 4, 5), (1, 2))
+    (finding,) = of_zeros(moved, WEIGHT)
+    assert finding.verdict == "FAIL"
+    assert f"{moved.part:.1f} N less than runs 1 and 2, each by as much" in finding.reason
+
+
 def test_a_tare_in_another_posture_before_each_run() -> None:
     """The sums agree, and each channel's zero is another one."""
     whole = recording(count=3)
