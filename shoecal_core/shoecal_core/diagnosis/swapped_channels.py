@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.diagnosis.baseline import first_parameters
 from shoecal_core.diagnosis.hypotheses import Hypothesis
 from shoecal_core.diagnosis.result import Cause
 from shoecal_core.diagnosis.settings import DiagnosisSettings
@@ -16,7 +17,13 @@ from shoecal_core.diagnosis.workspace import Workspace, make_workspace
 from shoecal_core.error_sources.base import Effect, Place
 from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.wiring import Wiring
-from shoecal_core.shoe.wrench import at_cop, by_parameters, combined, weight_below
+from shoecal_core.shoe.wrench import (
+    ChannelParameters,
+    at_cop,
+    by_parameters,
+    combined,
+    weight_below,
+)
 
 FloatArray = NDArray[np.float64]
 CLEARLY = 0.5
@@ -73,10 +80,13 @@ def swapped_channels(
     misfits, hypothesis, signal_model = min(found, key=lambda one: one[0])
     if any(now > CLEARLY * before for now, before in zip(misfits, usual, strict=True)):
         return None
+    # Gains and offsets of the file's wiring are far from these, and priors are about the start.
+    start = first_parameters(signal_model.samples, workspace.train)
+    parameters = _nearest(workspace, signal_model.wiring, start)
     return Swap(
         hypothesis,
         make_workspace(
-            signal_model,
+            signal_model.with_parameters(parameters),
             effects,
             workspace.train,
             workspace.test,
@@ -85,6 +95,16 @@ def swapped_channels(
             wanted,
         ),
     )
+
+
+def _nearest(workspace: Workspace, wiring: Wiring, start: ChannelParameters) -> ChannelParameters:
+    """Gains and offsets that are best on the training runs, of these the nearest to a start."""
+    matrix, target = _wrenches(workspace, wiring, workspace.train)
+    first = np.concatenate((start.gain, start.offset))
+    size = np.maximum(np.linalg.norm(matrix, axis=0), 1e-12)
+    away = np.linalg.lstsq(matrix / size, target - matrix @ first, rcond=1e-6)[0] / size
+    gain, offset = np.split(first + away, 2)
+    return ChannelParameters(gain, offset)
 
 
 def _misfits(workspace: Workspace, wiring: Wiring) -> tuple[float, ...]:
