@@ -52,8 +52,8 @@ def session(folder: Path, runs: int = 0, samples: int = 40) -> Session:
 
 
 def angles(index: int) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    """Joint angles (m,) of one sample [rad]; no two are alike."""
-    return np.sin(index + np.arange(len(robot().joint_names)))
+    """Joint angles (m,) of one sample [rad]; no two are alike, and none is an encoder's zero."""
+    return np.sin(0.5 + index + np.arange(len(robot().joint_names)))
 
 
 def volts(index: int) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
