@@ -91,7 +91,9 @@ def main() -> int:
         if not result.is_file():
             print(f"{robot.title}, {robot.kind} …", flush=True)
             out.mkdir(parents=True, exist_ok=True)
-            result.write_text(json.dumps(taken_through(file, out), indent=1) + "\n")
+            found = taken_through(file, out)
+            found["where it stops"] = found["where it stops"].replace(f"{args.folder}/", "")
+            result.write_text(json.dumps(found, indent=1) + "\n")
         of = f"[{robot.title}](https://github.com/{robot.repository})"
         found = json.loads(result.read_text())
         rows.append({"robot": of, "format": robot.kind, **found})

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
-from scipy.optimize import brentq
+from scipy.optimize import brentq, least_squares
 
 from shoecal_core.drafting.body import Body, own_joints
 from shoecal_core.drafting.legs import UP, LegChains
@@ -23,6 +23,10 @@ MARGIN = 0.05
 """rad; from the joints' limits."""
 SIDEWAYS = 0.82
 """Cosine of the angle within which an axis lies across the robot; some hips' tilt by 30 degrees."""
+LEVEL = 5e-3
+"""rad and dm; soles that are off by less stand."""
+STIFF = 0.01
+"""By which joints keep their angles, against errors of the soles."""
 SHARES = (0.1, 0.9)
 """Part of the knees' bend that the hips take, least and most."""
 
@@ -49,6 +53,7 @@ def find_posture(body: Body, legs: LegChains, soles: Sequence[Sole]) -> dict[str
     else:
         share = low if abs(begin) < abs(end) else high
     ahead(float(share))
+    _level_soles(body, angles, legs, soles)
     names = body.model.names
     return {
         str(names[joint]): round(float(angles[joint]), 3)
@@ -113,6 +118,67 @@ def _bent(
             angles[joint] = np.clip(
                 _sense(body, joint, legs.left) * backwards, low + MARGIN, high - MARGIN
             )
+
+
+def _level_soles(body: Body, angles: FloatArray, legs: LegChains, soles: Sequence[Sole]) -> None:
+    """Turn all joints of the legs a little until both soles are level and next to each other as in
+    the zero pose: where a hip's axis is tilted, bending it turns the foot sideways.
+    """
+    joints = [one for chain in legs.chains for one in chain if _own_motor(body, one)]
+    start = angles[joints].copy()
+    low, high = np.array([body.range(joint) for joint in joints]).T
+    low, high = np.minimum(low + MARGIN, start), np.maximum(high - MARGIN, start)
+
+    apart = soles[0].in_base.translation - soles[1].in_base.translation
+    apart = apart - (apart @ UP) * UP
+
+    def off(values: FloatArray) -> FloatArray:
+        """Of both soles: their turns [rad], and their places against each other [dm]."""
+        angles[joints] = values
+        left, right = placed(body, angles, legs, soles)
+        turns = [
+            pin.log3(_straight(sole).T @ now.rotation)
+            for sole, now in zip(soles, (left, right), strict=True)
+        ]
+        place = 10.0 * (left.translation - right.translation - apart)
+        return np.concatenate((*turns, place))
+
+    before = off(start)
+    if np.abs(before).max() < LEVEL:
+        return
+
+    def cost(values: FloatArray) -> FloatArray:
+        return np.concatenate((off(values), STIFF * (values - start)))
+
+    found = least_squares(cost, start, bounds=(low - 1e-9, high + 1e-9))
+    # What the limits do not allow stays as it was.
+    better = np.linalg.norm(off(found.x)) < 0.5 * np.linalg.norm(before)
+    angles[joints] = found.x if better else start
+
+
+def _own_motor(body: Body, joint: int) -> bool:
+    return str(body.model.names[joint]) not in body.mimics
+
+
+def _straight(sole: Sole) -> FloatArray:
+    """(3, 3) of a level sole that points where this one does in the zero pose."""
+    forward = np.array(sole.in_base.rotation[:, 0])
+    forward -= (forward @ UP) * UP
+    forward /= np.linalg.norm(forward)
+    return np.column_stack((forward, np.cross(UP, forward), UP))
+
+
+def placed(
+    body: Body, angles: FloatArray, legs: LegChains, soles: Sequence[Sole]
+) -> tuple[pin.SE3, pin.SE3]:
+    """Both soles in the base, at some angles (njoints,) [rad]."""
+    data = body.model.createData()
+    pin.forwardKinematics(body.model, data, configuration(body, angles))
+    left, right = (
+        data.oMi[chain[-1]] * body.placements[chain[-1]].actInv(sole.in_base)
+        for chain, sole in zip(legs.chains, soles, strict=True)
+    )
+    return left, right
 
 
 def _com_ahead(body: Body, angles: FloatArray, legs: LegChains, soles: Sequence[Sole]) -> float:

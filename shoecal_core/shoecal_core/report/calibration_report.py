@@ -51,7 +51,7 @@ MEANING = {
 }
 NEXT = (
     "Next: on the robot, /shoe/apply puts a self-calibration in force, /shoe/set_calibration this "
-    "file; `shoecal apply SESSION --calibration FILE` gives GRF and CoP of a recording."
+    "file. GRF and CoP of a recording: shoecal apply SESSION --calibration FILE."
 )
 SOURCES = {"self": "self-calibration", "manual": "manual calibration"}
 

@@ -18,6 +18,7 @@ from shoecal_core.drafting.notes import robot_notes, shoe_notes
 from shoecal_core.drafting.soles import SoleSize, find_sole
 from shoecal_core.drafting.text import robot_text, shoe_text
 from shoecal_core.errors import FileError
+from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.robot.urdf import read_urdf, with_locked_fixed
 
@@ -306,3 +307,22 @@ def test_a_foot_beside_its_ankle_stands_on_its_lowest_face() -> None:
     assert sole.height == pytest.approx(0.04)
     np.testing.assert_allclose(sole.in_base.rotation[:, 2], (0.0, 0.0, 1.0), atol=1e-9)
     np.testing.assert_allclose(np.ptp(sole.outline, axis=0), (0.11, 0.04), atol=1e-4)
+
+
+def test_hips_whose_pitch_axis_is_tilted(tmp_path: Path) -> None:
+    """By 30 degrees, as some makers do: bending them turns the feet, and the posture makes up."""
+    urdf = tmp_path / "wren.urdf"
+    root = ElementTree.parse(ROBOTS / "wren.urdf").getroot()
+    for side in ("left", "right"):
+        (axis,) = root.findall(f"./joint[@name='{side}_hip_swing']/axis")
+        along = float(axis.get("xyz", "").split()[2])
+        axis.set("xyz", f"{np.sin(0.52)} 0 {along * np.cos(0.52)}")
+    ElementTree.ElementTree(root).write(urdf)
+    found = draft_robot(urdf, "wren")
+    assert abs(found.posture["left_hip_swing"]) > 0.1
+    robot, _ = prove(found, robot_text(found, "wren.urdf"), shoe_text(found))
+    (height, *tilt), yaw = np.split(
+        Kinematics(robot).states(robot.posture[None]).right_sole[0, 2:], [3]
+    )
+    assert abs(height) < 1e-3
+    assert np.abs([*tilt, *yaw]).max() < 5e-3
