@@ -53,7 +53,7 @@ def session(folder: Path, runs: int = 0, samples: int = 40) -> Session:
 
 def angles(index: int) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
     """Joint angles (m,) of one sample [rad]; no two are alike, and none is an encoder's zero."""
-    return np.sin(0.5 + index + np.arange(len(robot().joint_names)))
+    return np.sin(index + 0.5 + np.arange(len(robot().joint_names), dtype=np.float64))
 
 
 def volts(index: int) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
