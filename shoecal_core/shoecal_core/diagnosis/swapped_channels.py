@@ -101,10 +101,15 @@ def _nearest(workspace: Workspace, wiring: Wiring, start: ChannelParameters) -> 
     """Gains and offsets that are best on the training runs, of these the nearest to a start."""
     matrix, target = _wrenches(workspace, wiring, workspace.train)
     first = np.concatenate((start.gain, start.offset))
-    size = np.maximum(np.linalg.norm(matrix, axis=0), 1e-12)
-    away = np.linalg.lstsq(matrix / size, target - matrix @ first, rcond=1e-6)[0] / size
-    gain, offset = np.split(first + away, 2)
+    gain, offset = np.split(first + _solved(matrix, target - matrix @ first), 2)
     return ChannelParameters(gain, offset)
+
+
+def _solved(matrix: FloatArray, target: FloatArray) -> FloatArray:
+    """(p,) least squares, of all such the smallest by the columns' lengths."""
+    size = np.maximum(np.linalg.norm(matrix, axis=0), 1e-12)
+    found: FloatArray = np.linalg.lstsq(matrix / size, target, rcond=1e-6)[0] / size
+    return found
 
 
 def _misfits(workspace: Workspace, wiring: Wiring) -> tuple[float, ...]:
@@ -112,8 +117,7 @@ def _misfits(workspace: Workspace, wiring: Wiring) -> tuple[float, ...]:
     are best on the training runs: on these, and on the test runs if there are any.
     """
     matrix, target = _wrenches(workspace, wiring, workspace.train)
-    size = np.maximum(np.linalg.norm(matrix, axis=0), 1e-12)
-    fitted = np.linalg.lstsq(matrix / size, target, rcond=1e-6)[0] / size
+    fitted = _solved(matrix, target)
     sets = [(matrix, target), _wrenches(workspace, wiring, workspace.test)]
     return tuple(float(np.mean((b - a @ fitted) ** 2)) for a, b in sets if len(b))
 

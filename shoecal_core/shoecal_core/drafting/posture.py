@@ -124,7 +124,8 @@ def _level_soles(body: Body, angles: FloatArray, legs: LegChains, soles: Sequenc
     """Turn all joints of the legs a little until both soles are level and next to each other as in
     the zero pose: where a hip's axis is tilted, bending it turns the foot sideways.
     """
-    joints = [one for chain in legs.chains for one in chain if _own_motor(body, one)]
+    mimics, data = body.mimics, body.model.createData()
+    joints = [one for chain in legs.chains for one in chain if body.model.names[one] not in mimics]
     start = angles[joints].copy()
     low, high = np.array([body.range(joint) for joint in joints]).T
     low, high = np.minimum(low + MARGIN, start), np.maximum(high - MARGIN, start)
@@ -135,7 +136,8 @@ def _level_soles(body: Body, angles: FloatArray, legs: LegChains, soles: Sequenc
     def off(values: FloatArray) -> FloatArray:
         """Of both soles: their turns [rad], and their places against each other [dm]."""
         angles[joints] = values
-        left, right = placed(body, angles, legs, soles)
+        pin.forwardKinematics(body.model, data, configuration(body, angles))
+        left, right = _placed(body, data, legs, soles)
         turns = [
             pin.log3(_straight(sole).T @ now.rotation)
             for sole, now in zip(soles, (left, right), strict=True)
@@ -156,10 +158,6 @@ def _level_soles(body: Body, angles: FloatArray, legs: LegChains, soles: Sequenc
     angles[joints] = found.x if better else start
 
 
-def _own_motor(body: Body, joint: int) -> bool:
-    return str(body.model.names[joint]) not in body.mimics
-
-
 def _straight(sole: Sole) -> FloatArray:
     """(3, 3) of a level sole that points where this one does in the zero pose."""
     forward = np.array(sole.in_base.rotation[:, 0])
@@ -168,12 +166,10 @@ def _straight(sole: Sole) -> FloatArray:
     return np.column_stack((forward, np.cross(UP, forward), UP))
 
 
-def placed(
-    body: Body, angles: FloatArray, legs: LegChains, soles: Sequence[Sole]
+def _placed(
+    body: Body, data: pin.Data, legs: LegChains, soles: Sequence[Sole]
 ) -> tuple[pin.SE3, pin.SE3]:
-    """Both soles in the base, at some angles (njoints,) [rad]."""
-    data = body.model.createData()
-    pin.forwardKinematics(body.model, data, configuration(body, angles))
+    """Both soles in the base, where the forward kinematics in `data` has the joints."""
     left, right = (
         data.oMi[chain[-1]] * body.placements[chain[-1]].actInv(sole.in_base)
         for chain, sole in zip(legs.chains, soles, strict=True)
@@ -182,15 +178,12 @@ def placed(
 
 
 def _com_ahead(body: Body, angles: FloatArray, legs: LegChains, soles: Sequence[Sole]) -> float:
-    model = body.model
-    data = model.createData()
-    q = configuration(body, angles)
-    com = np.asarray(pin.centerOfMass(model, data, q))
+    data = body.model.createData()
+    com = np.asarray(pin.centerOfMass(body.model, data, configuration(body, angles)))
     middles = []
-    for chain, sole in zip(legs.chains, soles, strict=True):
+    for sole, now in zip(soles, _placed(body, data, legs, soles), strict=True):
         middle = np.append(0.5 * (sole.outline.min(axis=0) + sole.outline.max(axis=0)), 0.0)
-        moved = data.oMi[chain[-1]] * body.placements[chain[-1]].actInv(sole.in_base)
-        middles.append(moved.act(middle))
+        middles.append(now.act(middle))
     return float((com - np.mean(middles, axis=0)) @ legs.forward)
 
 

@@ -95,7 +95,7 @@ class Bag:
         with self._damage(), ExitStack() as stack:
             copies = Path(stack.enter_context(TemporaryDirectory()))
             if folder:
-                _check_folder(self.path)
+                information = _checked_metadata(self.path)
                 path, files = self.path, sorted(self.path.glob("*.mcap"))
             else:
                 path = self._unpacked(stack)
@@ -106,7 +106,7 @@ class Bag:
             if unmerged(path):
                 path = merged(path, METADATA, copies)
             if folder:
-                _check_count(path, self.path)
+                _check_count(path, information.get("message_count"), self.path)
             elif path.suffix == ".mcap":
                 path = of_this_profile(path, self.path, copies)
             reader = AnyReader([path], default_typestore=typestore())
@@ -193,8 +193,8 @@ class Bag:
             raise _damaged(self.path, error) from error
 
 
-def _check_folder(folder: Path) -> None:
-    """Refuse a folder of rosbag2 without the files that its metadata lists.
+def _checked_metadata(folder: Path) -> Mapping[str, Any]:
+    """What the metadata of a folder of rosbag2 says, where all files that it lists are there.
 
     Raises:
         FileSyntaxError: its metadata lists none.
@@ -203,8 +203,8 @@ def _check_folder(folder: Path) -> None:
     """
     metadata = folder / METADATA
     try:
-        names = yaml.safe_load(read_bytes(metadata))[BAG_INFORMATION]["relative_file_paths"]
-        files = [folder / PurePath(name).name for name in names]
+        information: Mapping[str, Any] = yaml.safe_load(read_bytes(metadata))[BAG_INFORMATION]
+        files = [folder / PurePath(name).name for name in information["relative_file_paths"]]
     except (yaml.YAMLError, UnicodeDecodeError, TypeError, KeyError, IndexError) as error:
         cure = f"make it again with `ros2 bag reindex {folder}`"
         raise FileSyntaxError(metadata, f"does not list the files of a bag; {cure}") from error
@@ -217,19 +217,19 @@ def _check_folder(folder: Path) -> None:
                 problem = f"is compressed, but not listed so in {METADATA}; {_cure(packed)}"
                 raise FileUnreadableError(packed, problem)
         raise FileMissingError(file, f"is listed in {METADATA}, but does not exist; put it back")
+    return information
 
 
-def _check_count(folder: Path, named: Path) -> None:
+def _check_count(folder: Path, said: object, named: Path) -> None:
     """Refuse SQLite files that hold fewer messages than their metadata says.
 
     Args:
-        folder: of rosbag2. named: what an error calls it.
+        folder: of rosbag2. said: its count of messages. named: what an error calls it.
 
     Raises:
         RecordingError: with the cure.
     """
     there = stored(folder)
-    said = yaml.safe_load(read_bytes(folder / METADATA))[BAG_INFORMATION].get("message_count")
     if there is not None and isinstance(said, int) and there < said:
         raise RecordingError(
             named,
