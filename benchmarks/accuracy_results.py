@@ -7,12 +7,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from accuracy_sessions import Case
 from held import Held, hold
 from held_budget import hold_budget
 from population import nao
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.estimation.run_errors import errors_by_set
@@ -24,8 +24,6 @@ from shoecal_core.workflows.evaluation import MEASURED, TRUTH, compare_runs
 from shoecal_core.workflows.simulated_manual import simulate_manual
 from true_sources import read_drawn
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 FAILED = "FAIL"
 REFUSED, UNRECORDED = "refused", "not recorded"
 

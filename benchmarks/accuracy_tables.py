@@ -9,7 +9,6 @@ from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from accuracy_results import Result
 from accuracy_sessions import PAPER
@@ -18,7 +17,6 @@ from pages import Row
 from shoecal_core.estimation.assessment import NORMAL_95
 from shoecal_core.shoe.shoe import FEET
 
-FloatArray = NDArray[np.float64]
 ERRORS = {
     "CoP, both feet [mm]": "cop",
     **{f"{foot} [mm]": f"{foot}_cop" for foot in FEET},

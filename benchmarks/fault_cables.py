@@ -6,13 +6,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fault_draws import Draw, Expected, Injected, NoFaultError
+from shoecal_core.arrays import FloatArray
 from shoecal_core.recording.run import Run
 from shoecal_core.screening.faults import Fault
-
-FloatArray = NDArray[np.float64]
 
 NEWTONS_PER_VOLT = 12.0
 """Of a cell of nominal gain."""

@@ -9,16 +9,14 @@ from pathlib import Path
 from zlib import crc32
 
 import numpy as np
-from numpy.typing import NDArray
 
 from population import Member
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import Session
 from shoecal_core.screening.faults import Fault
 from shoecal_core.shoe.shoe import Shoe
-
-FloatArray = NDArray[np.float64]
 
 COARSE_SHARE = 1.0 / 3.0
 """Of the draws: cells with a poor converter and more noise than the recorded ones."""

@@ -7,11 +7,11 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
 from fault_draws import Draw, Expected, Injected, NoFaultError
 from population import RATE_HZ, nao
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.settings import PlannerSettings
@@ -31,8 +31,6 @@ from shoecal_core.simulation.robot import SimulatedRobot
 from shoecal_core.simulation.sampled_robot import draw as draw_robot
 from shoecal_core.simulation.samples import SimulatedSamples, run
 from shoecal_core.workspace import config_dir
-
-FloatArray = NDArray[np.float64]
 
 HOLD_S = 1.0
 SETTLING_S = 1.5

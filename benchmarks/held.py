@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.estimation.series import truth_series
 from shoecal_core.estimation.session_data import load_data
@@ -16,7 +16,6 @@ from shoecal_core.recording.truth import read_truth
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.shoe.sensing import Sensing
 
-FloatArray = NDArray[np.float64]
 STEP = 100
 """Every so many samples of a test run: errors change slowly."""
 COPS = ("CoP", "left CoP", "right CoP")

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.estimation.budget import NOISE, SUPPORT, mean_squares, unknowns
 from shoecal_core.estimation.joint_fit import FittedDeviation, JointFit
 from shoecal_core.estimation.outcome import CalibrationOutcome
@@ -15,8 +15,6 @@ from shoecal_core.shoe.shoe import FEET
 from shoecal_core.simulation.reality import PlantVariation
 from true_sources import Source, read_drawn, true_sources
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 GEARS = ("joint_compliance", "backlash")
 
 

@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 
 import pages
 from pages import ROOT
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import atomic_write
 from shoecal_core.planning.checking.body_track import track
@@ -46,7 +47,6 @@ from shoecal_core.simulation.sampled_robot import draw
 from shoecal_core.workflows.simulated_walk import take
 from shoecal_core.workspace import config_dir
 
-FloatArray = NDArray[np.float64]
 CONFIG = config_dir()
 DRAFTED = ROOT / "out" / "robots" / "g1"
 OUT = ROOT / "out" / "planned_motions"

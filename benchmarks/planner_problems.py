@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
-import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.horizon.collocation import Collocation
 from shoecal_core.planning.horizon.ipopt import IpoptSolver, horizon_nlp, ipopt_options
 from shoecal_core.planning.horizon.problem import HorizonProblem, HorizonSolution, Solver
@@ -18,7 +17,6 @@ from shoecal_core.planning.horizon.rolling import RollingHorizon
 from shoecal_core.planning.motion_catalogue import motion_kind
 from shoecal_core.planning.planner import Planner
 
-FloatArray = NDArray[np.float64]
 COMPILER = {"flags": ["-O3", "-march=native"], "compiler": "cc"}
 _JUDGE: dict[str, bool | int | float | str] = {
     "ipopt.tol": 1e-10,

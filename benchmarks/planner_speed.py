@@ -14,10 +14,10 @@ import time
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 import pages
 from planner_problems import Posed, Timed, compiled_ipopt, judge, posed_in_closed_loop, race
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.planning.checking.check import check_motion
 from shoecal_core.planning.horizon.collocation import Collocation
@@ -32,7 +32,6 @@ from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.shoe.shoe import load_shoe
 from shoecal_core.workspace import config_dir
 
-FloatArray = NDArray[np.float64]
 OURS = "shoecal"
 PEER = "IPOPT, compiled"
 FEASIBLE = 1e-5

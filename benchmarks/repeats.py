@@ -13,15 +13,13 @@ from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pages import TRUST, Row, markdown, record, write_section
 from population import Member, one_robot, sessions
+from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.assessment import NORMAL_95
 from shoecal_core.recording.session import Session
 from shoecal_core.workflows.calibrate import calibrate_session
-
-FloatArray = NDArray[np.float64]
 
 
 def gains(member: Member) -> tuple[FloatArray, FloatArray]:

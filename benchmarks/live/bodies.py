@@ -8,6 +8,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.planning.posture import stance
 from shoecal_core.robot.double_support import DoubleSupport
@@ -17,7 +18,6 @@ from shoecal_core.shoe.shoe import Shoe, load_shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 from shoecal_core.workspace import config_dir
 
-FloatArray = NDArray[np.float64]
 SUPPORT = DoubleSupport(0.0, -0.112, 0.0)
 NUMBERS = 1024
 """Frames that can be told apart."""

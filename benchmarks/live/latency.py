@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from live.bodies import NUMBERS
 from live.line import Sent
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
 
-FloatArray = NDArray[np.float64]
 LONGEST_NS = 1_000_000_000
 """What takes longer counts as lost."""
 

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from shoecal_ros.serial.frame import Frame
 from shoecal_ros.serial.protocol import encode_frame
 
-FloatArray = NDArray[np.float64]
 START_S = 0.01
 """From being told to send to the first frame."""
 

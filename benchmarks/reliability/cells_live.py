@@ -17,10 +17,10 @@ from reliability.live_robots import WaitedForRobot, start_calibrator
 from reliability.live_world import World, wait
 from reliability.tries import BrokenError
 from ros.bodies import nao_shoe
+from shoecal_core.arrays import FloatArray
 from shoecal_ros.common import qos
 from shoecal_ros.common.voltage_frame import VoltageFrame
 
-FloatArray = NDArray[np.float64]
 Bytes = NDArray[np.uint8]
 Spoil = Callable[[int, FloatArray, Bytes], None]
 """Changes voltages and statuses (n,) of the frame that is so many after the fault began."""

@@ -6,18 +6,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from caught_faults import ATTEMPTS, clean_cop_errors, cop_errors
 from fault_cables import saturated, spikes, stuck, with_values
 from fault_draws import Draw, Expected, FaultySession, Injected, NoFaultError
 from population import different_robots, nao, sessions
 from reliability.tries import BrokenError
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.recording.run import Run
 from shoecal_core.workflows.calibrate import calibrate_session
-
-FloatArray = NDArray[np.float64]
 
 ROBOTS = 3
 """Sessions of the population, of that many robots."""

@@ -10,7 +10,6 @@ import time
 
 import numpy as np
 from geometry_msgs.msg import PointStamped
-from numpy.typing import NDArray
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 
@@ -18,6 +17,7 @@ from reliability.live_robots import PERIOD_NS, SUPPORT, start_calibrator
 from reliability.live_world import World
 from reliability.tries import BrokenError
 from ros.bodies import nao, nao_shoe, parameters, readings
+from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.posture import stance
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.shoe.load_cases import double_support_outputs
@@ -28,8 +28,6 @@ from shoecal_ros.common.realtime_executor import BATCH, drained
 from shoecal_ros.serial.device import SimulatedDevice
 from shoecal_ros.serial.frame import Info
 from shoecal_ros.simulator.device_file import write_device
-
-FloatArray = NDArray[np.float64]
 
 FRAMES = 100
 """In a second."""

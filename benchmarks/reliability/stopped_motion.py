@@ -32,7 +32,6 @@ from functools import partial
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 from shoecal_msgs.action import Plan
 from std_srvs.srv import SetBool
@@ -43,6 +42,7 @@ from reliability.row import Progress, Result, Row
 from reliability.tries import BrokenError
 from ros.adapters.driver_messages import SCRIPT, messages_of
 from ros.bodies import nao
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import time_from_ros, trajectory_from_ros
@@ -91,8 +91,6 @@ BEGUN = 1e-4
 LIFTED = 0.004
 """rad; the right ankle's way from where the motion began, by when a foot is about to be lifted."""
 LONG_S = 400.0
-
-FloatArray = NDArray[np.float64]
 
 
 class Scene:

@@ -16,6 +16,7 @@ import shoecal_core
 ROOT = Path(shoecal_core.__file__).parent
 
 FOUNDATION = {
+    "arrays",
     "errors",
     "file_kinds",
     "files",
@@ -28,6 +29,7 @@ DESCRIPTION = FOUNDATION | {"robot", "shoe"}
 RECORDED = DESCRIPTION | {"recording", "samples"}
 ESTIMATION = RECORDED | {"error_sources", "screening", "planning", "estimation"}
 MAY_IMPORT = {
+    "arrays": set[str](),
     "end_with_parent": set[str](),
     "errors": set[str](),
     "file_kinds": set[str](),

@@ -2,13 +2,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from reliability.row import Row
 from reliability.stopped_motion import ROWS, off_course
 from ros.adapters.driver_messages import NoMessagesError
-
-FloatArray = NDArray[np.float64]
+from shoecal_core.arrays import FloatArray
 
 
 @pytest.mark.parametrize("row", ROWS, ids=[row.key for row in ROWS])

@@ -6,15 +6,14 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.shoe.shoe import Shoe, load_shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 
-FloatArray = NDArray[np.float64]
 ROOT = Path(__file__).parents[2]
 NAO = ROOT / "config/robots/nao.yaml"
 NAO_SHOE = ROOT / "config/shoes/nao_shoe.yaml"

@@ -7,12 +7,12 @@ import time
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 from shoecal_msgs.msg import ShoeVoltages
 
 from ros.bodies import nao, nao_shoe, parameters, readings
 from ros.world import World
+from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.posture import stance
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.kinematics import Kinematics
@@ -22,7 +22,6 @@ from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import JointSample, joints_to_ros, voltages_to_ros
 from shoecal_ros.common.voltage_frame import VoltageFrame
 
-FloatArray = NDArray[np.float64]
 PERIOD_NS = 20_000_000
 ARMS = ("LShoulderPitch", "LShoulderRoll", "RShoulderPitch", "RShoulderRoll")
 

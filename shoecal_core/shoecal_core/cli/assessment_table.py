@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.table import Table
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.cli.tables import new_table
 from shoecal_core.cli.weak_lines import weak_lines
 from shoecal_core.estimation.assessment import Assessment
@@ -13,7 +13,6 @@ from shoecal_core.estimation.budget import Budget
 from shoecal_core.screening.result import Screening
 from shoecal_core.shoe.shoe import FEET
 
-FloatArray = NDArray[np.float64]
 LISTED = 3
 """Error sources that are named."""
 

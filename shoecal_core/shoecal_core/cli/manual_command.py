@@ -9,10 +9,9 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
 from rich.console import Console
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.cli.arguments import (
     add_json,
     add_shoe,
@@ -55,8 +54,6 @@ from shoecal_core.shoe.wrench import foot_wrenches
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.workflows.simulated_manual import simulate_manual
 from shoecal_core.workspace import config_dir
-
-FloatArray = NDArray[np.float64]
 
 CELLS_DATA, SHOE_DATA = "cells_data.yaml", "shoe_data.yaml"
 CELLS_FILE, CALIBRATION_FILE = "cells.yaml", "calibration.yaml"

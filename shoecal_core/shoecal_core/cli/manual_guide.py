@@ -11,9 +11,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.console import Console
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.cli.manual_guide_frames import LineProblem
 from shoecal_core.cli.manual_guide_streams import FrameStream
 from shoecal_core.errors import ShoecalError
@@ -21,8 +21,6 @@ from shoecal_core.manual.guide import Guide, GuidePhase, Key
 from shoecal_core.manual.loads import Load
 from shoecal_core.manual.measurements import Measurements
 from shoecal_core.shoe.shoe import FEET, Shoe
-
-FloatArray = NDArray[np.float64]
 
 KEYS = {
     b"\n": Key.READ,

@@ -5,9 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-from numpy.typing import NDArray
-
 from shoecal_core.diagnosis.hidden import hidden_cop
 from shoecal_core.diagnosis.hypotheses import Form
 from shoecal_core.diagnosis.result import Cause, NamedHypothesis, Verdict
@@ -27,7 +24,6 @@ from shoecal_core.diagnosis.tempering import needed, shares, temper
 from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.error_sources.signals import COP, GRF
 
-FloatArray = NDArray[np.float64]
 EXPLAINED_FROM = 0.6
 """Part of the excess that must go on runs left out for a gap to count as explained."""
 LIKELY = 0.5

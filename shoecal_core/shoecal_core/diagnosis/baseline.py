@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources.posterior import Posterior
 from shoecal_core.error_sources.signal_model import SignalModel
@@ -19,7 +19,6 @@ from shoecal_core.samples.stance import Stance
 from shoecal_core.shoe.priors import parameter_std
 from shoecal_core.shoe.wrench import ChannelParameters, columns_in_left, combined, weight_below
 
-FloatArray = NDArray[np.float64]
 HANGING_LEVERS_M = (0.1, 0.1)
 """Levers by which a swinging foot's forces make moments."""
 STEPS = 12

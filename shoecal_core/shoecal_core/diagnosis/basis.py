@@ -12,12 +12,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.diagnosis.rows import Rows, at_levels
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 LEAST = 0.02
 """Standard deviations of all rows together by which a direction can move them: one that moves them
 by less changes a logarithm of evidence by less than 1e-3."""

@@ -7,8 +7,8 @@ everything together add up to 1, and a source that works against the others has 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.diagnosis.result import BudgetShare
 from shoecal_core.diagnosis.scoring import Scored
 from shoecal_core.diagnosis.shrink import judged_runs
@@ -16,7 +16,6 @@ from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.error_sources.signals import COP
 from shoecal_core.samples.zeros import NORMAL_95
 
-FloatArray = NDArray[np.float64]
 LEAST_SHARE = 0.05
 """Smaller ones of a source are put together over its places."""
 MOST = 12

@@ -5,15 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-from numpy.typing import NDArray
-
+from shoecal_core.arrays import FloatArray
 from shoecal_core.diagnosis.result import Diagnosis
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.shrink import maes
 from shoecal_core.diagnosis.workspace import Workspace
 
-FloatArray = NDArray[np.float64]
 WORSE = 1.1
 """Errors of a test run that grow by more than this factor speak against an explanation."""
 

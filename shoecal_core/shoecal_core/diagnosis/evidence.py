@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.result import Evidence, Fitted, NamedHypothesis
 from shoecal_core.diagnosis.scoring import Scored
@@ -14,7 +13,6 @@ from shoecal_core.error_sources.signals import SIGNALS
 from shoecal_core.shoe.sensing import MINIMUM_FORCE
 from shoecal_core.shoe.wrench import cop
 
-FloatArray = NDArray[np.float64]
 RIVALS = 4
 """Hypotheses whose fit is shown next to the chosen one."""
 

@@ -6,13 +6,11 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.diagnosis.result import NamedHypothesis
 from shoecal_core.error_sources.base import Effect, Place, Shape, lower_bounds, stds, upper_bounds
 from shoecal_core.error_sources.signal_model import SignalModel
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

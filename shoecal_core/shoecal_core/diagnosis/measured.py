@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.result import Cause, Shrink, Size
 from shoecal_core.diagnosis.settings import DiagnosisSettings
@@ -29,7 +28,6 @@ from shoecal_core.samples.zeros import NORMAL_95, Zero, data_sheet
 from shoecal_core.shoe.shoe import FEET
 from shoecal_core.shoe.wrench import ChannelParameters
 
-FloatArray = NDArray[np.float64]
 SURE_STDS = 4.0
 """By which a zero has to be off: a session has many of them."""
 

@@ -5,15 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.diagnosis.rows import Rows
 from shoecal_core.diagnosis.scoring import COUNTS, SETTLED, Scored, log_likelihood, most_probable
 from shoecal_core.error_sources.posterior import Posterior
 from shoecal_core.error_sources.signals import SIGNALS
 from shoecal_core.error_sources.spectrum import BANDS
 
-FloatArray = NDArray[np.float64]
 ROUNDS = 6
 """Steps by which the variances of bands settle."""
 BUILT_WITHIN = 2.0

@@ -17,6 +17,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.diagnosis.hypotheses import Hypothesis
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.tempering import needed
@@ -24,8 +25,6 @@ from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.error_sources.posterior import Posterior
 from shoecal_core.error_sources.signals import COP
 from shoecal_core.shoe.shoe import FEET
-
-FloatArray = NDArray[np.float64]
 
 MATTERS_M = 0.001
 """Mean change of the CoP from which any effect matters."""

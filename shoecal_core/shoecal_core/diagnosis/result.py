@@ -9,9 +9,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.samples.zeros import Zero
 
-FloatArray = NDArray[np.float64]
 FORMAT = 1
 
 Verdict = Literal["no_gap", "explained", "ambiguous", "partly_explained", "unknown"]

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import BoolArray, FloatArray, IntArray
 from shoecal_core.diagnosis.baseline import precision
 from shoecal_core.diagnosis.hypotheses import Catalogue
 from shoecal_core.diagnosis.settings import DiagnosisSettings
@@ -18,10 +18,6 @@ from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.signals import AIR, CLOSURE, COP, GRF, PARITY, TILT
 from shoecal_core.error_sources.spectrum import BANDS, BandTransform, frequencies_of, signals_of
 from shoecal_core.shoe.wrench import ChannelParameters
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
-IntArray = NDArray[np.int64]
 
 FAMILIES = (
     ("link_com", "link_mass"),

@@ -29,16 +29,14 @@ from dataclasses import dataclass, replace
 from functools import cache, cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.diagnosis.basis import make_basis
 from shoecal_core.diagnosis.hypotheses import Form, Hypothesis
 from shoecal_core.diagnosis.rows import Rows
 from shoecal_core.error_sources.posterior import Posterior
 from shoecal_core.error_sources.signals import AIR, GRF, PARITY
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 Part = tuple[Hypothesis, Form]
 
 COUNTS = 0.15

@@ -12,8 +12,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.diagnosis.hypotheses import Hypothesis
 from shoecal_core.diagnosis.scoring import Part, Scored, Scorer
 from shoecal_core.diagnosis.settings import ARM_M, DiagnosisSettings
@@ -22,7 +22,6 @@ from shoecal_core.diagnosis.tempering import needed
 from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.error_sources.signals import COP, GRF
 
-FloatArray = NDArray[np.float64]
 LOG_UNMODELLED = math.log(0.05)
 """Of the probability, beforehand, that something is there which the library has not."""
 LOOKED_AT, PLACES_EACH = 14, 5

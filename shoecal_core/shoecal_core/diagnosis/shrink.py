@@ -7,11 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.diagnosis.result import Gap, Shrink
 from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.error_sources.signals import COP, GRF
 
-FloatArray = NDArray[np.float64]
 MEAN_NORM = float(np.sqrt(np.pi / 2.0))
 """Mean length of two normal numbers of unit deviation."""
 MEAN_SIZE = float(np.sqrt(2.0 / np.pi))

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.result import Size
 from shoecal_core.diagnosis.scoring import Scored
@@ -14,7 +13,6 @@ from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.error_sources.base import Component, split_name
 from shoecal_core.error_sources.deviation import FORM
 
-FloatArray = NDArray[np.float64]
 Z95 = 1.96
 
 

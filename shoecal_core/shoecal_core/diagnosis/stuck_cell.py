@@ -17,8 +17,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.diagnosis.result import Cause, Size
 from shoecal_core.diagnosis.shrink import shrink
 from shoecal_core.diagnosis.workspace import Workspace
@@ -30,8 +30,6 @@ from shoecal_core.screening.saturated import ended
 from shoecal_core.screening.unresponsive import away, dead, stuck_channels
 from shoecal_core.shoe.wrench import at_cop, by_parameters, columns_in_left, combined, weight_below
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 SHARE_ERROR = 0.05
 """How far the share that stays may be off, as an interval's half width."""
 

@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.diagnosis.baseline import first_parameters
 from shoecal_core.diagnosis.hypotheses import Hypothesis
 from shoecal_core.diagnosis.result import Cause
@@ -25,7 +25,6 @@ from shoecal_core.shoe.wrench import (
     weight_below,
 )
 
-FloatArray = NDArray[np.float64]
 CLEARLY = 0.5
 """Squares that another wiring must leave, over those of the shoe file's."""
 LEVER = 0.04

@@ -6,11 +6,10 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 
-FloatArray = NDArray[np.float64]
 FORM_ERROR = 0.04
 """A cause whose form the library has only nearly is this share of the evidence off."""
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.diagnosis.result import Where
 from shoecal_core.diagnosis.scoring import Scored
 from shoecal_core.diagnosis.shrink import judged_runs
@@ -13,7 +14,6 @@ from shoecal_core.error_sources.signals import AIR, CLOSURE, PARITY, TILT
 from shoecal_core.error_sources.steps import closure_steps
 from shoecal_core.shoe.shoe import FEET
 
-FloatArray = NDArray[np.float64]
 PLACES: tuple[tuple[str, str | None, slice], ...] = (
     ("grf", None, slice(0, 1)),
     ("cop_x", None, slice(1, 2)),

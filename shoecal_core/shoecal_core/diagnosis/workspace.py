@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.diagnosis.baseline import coarse_noise, fit_baseline
 from shoecal_core.diagnosis.hypotheses import Catalogue, make_catalogue
 from shoecal_core.diagnosis.prediction import log_predictive, within_tolerance
@@ -25,9 +26,6 @@ from shoecal_core.error_sources.whitening import (
     WhitenedProducts,
     Whitening,
 )
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 LEAST = 1e-24
 """Variance of a signal that is not there."""

@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.base import ALL, Effect, deviations
 from shoecal_core.error_sources.deviation import Deviation
 from shoecal_core.error_sources.effects import body, contact, geometry, places, timing
@@ -22,7 +23,6 @@ from shoecal_core.shoe.priors import TORQUE_LEVER_M
 from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_core.shoe.wrench import to_left
 
-FloatArray = NDArray[np.float64]
 AXES = ("x", "y")
 PLATES_FORM = 0.2
 """Part of what plates carry that is in no proportion to the moment."""

@@ -11,14 +11,13 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.deviation import FORM, Deviation
 from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.shoe.priors import USUAL_WEIGHT
 
-FloatArray = NDArray[np.float64]
 ALL = "all"
 Place = tuple[str, ...]
 FORCES = {

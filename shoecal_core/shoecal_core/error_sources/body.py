@@ -8,12 +8,12 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.kinematics import BodyStates, Kinematics
 from shoecal_core.robot.robot import Robot, first_link
 from shoecal_core.samples.momentum import base_in_stance
 from shoecal_core.samples.samples import Samples
 
-FloatArray = NDArray[np.float64]
 _STEP = 1e-5
 """rad; of central differences."""
 POSE = 6

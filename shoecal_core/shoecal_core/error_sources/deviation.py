@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
+from shoecal_core.arrays import FloatArray
 
-FloatArray = NDArray[np.float64]
 FORM = 0.08
 """Part of what an effect adds that reality usually has in another form than the library."""
 

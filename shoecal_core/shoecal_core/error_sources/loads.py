@@ -6,16 +6,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources import body
 from shoecal_core.error_sources.wiring import Wiring
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.samples.filters import play
 from shoecal_core.samples.samples import Samples, Track
 from shoecal_core.shoe.wrench import ChannelParameters, combined, weight_below
-
-FloatArray = NDArray[np.float64]
 
 LOOP_WIDTHS = (0.1, 0.2, 0.3)
 """Widths of plays, over the range of a channel's output in a motion."""

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter, median_filter, minimum_filter
 
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.error_sources.settings import SignalSettings
 from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.signals import AIR, CLOSURE, COP, GRF, PARITY, SIGNALS, TILT
 from shoecal_core.samples.samples import Samples
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 WHITE = (1.0, -4.0, 6.0, -4.0, 1.0)
 """Shares of samples in a row of whose sum only noise is left that has no memory."""
 HALF_WITHIN = 0.6745

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.settings import SignalSettings
 from shoecal_core.samples.samples import Samples
 from shoecal_core.shoe.shoe import FEET
 from shoecal_core.shoe.wrench import ChannelParameters
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 
 def cell_planes(

@@ -10,10 +10,10 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
-FloatArray = NDArray[np.float64]
+from shoecal_core.arrays import FloatArray
+
 ROUNDING = 1e-13
 """Added to the unit diagonal: columns that are alike to the last digit stay solvable."""
 

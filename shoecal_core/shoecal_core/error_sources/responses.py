@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.error_sources import body
 from shoecal_core.error_sources.loads import Loads
 from shoecal_core.error_sources.signals import (
@@ -21,9 +21,6 @@ from shoecal_core.error_sources.signals import (
     TILT,
 )
 from shoecal_core.robot.robot import GRAVITY
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 QUASI_STATIC_M = 4.2e-4
 """Root mean square of the zero-moment point's way off the CoM in a motion meant to be slow."""

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.error_sources import body
 from shoecal_core.error_sources.deviation import Deviation
 from shoecal_core.error_sources.planes import cell_planes
@@ -28,9 +28,6 @@ from shoecal_core.error_sources.signals import (
 from shoecal_core.error_sources.wiring import Wiring
 from shoecal_core.samples.samples import Samples
 from shoecal_core.shoe.wrench import ChannelParameters
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 FREE = 1e6
 """Prior of what may have any size."""

@@ -11,11 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import dct
 
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.error_sources.signals import GRF
 from shoecal_core.samples.samples import Samples
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 EDGES_HZ = (0.0, 0.04, 0.08, 0.16, 0.32, 0.64, 1.0)
 """Of the bands; faster than the last nothing but noise moves in a robot that stands."""

@@ -11,12 +11,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.signals import CLOSURE
 
-FloatArray = NDArray[np.float64]
 BEFORE_S, AWAY_S = 1.5, 0.4
 """Long and so far from a step that the closure before and after it is looked at."""
 LEAST = 2e-3

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.shoe.wrench import to_left
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

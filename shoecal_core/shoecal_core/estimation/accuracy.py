@@ -12,15 +12,13 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.metrics import Mae
 from shoecal_core.estimation.series import Errors, Series
 from shoecal_core.robot.robot import Robot
 from shoecal_core.screening.verdict import VERDICTS, Finding
 from shoecal_core.shoe.shoe import FEET
-
-FloatArray = NDArray[np.float64]
 
 GRF_WARN, GRF_FAIL = 0.02, 0.05
 """Mean absolute error of the GRF, over the weight."""

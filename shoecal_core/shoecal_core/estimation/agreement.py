@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.estimation.checks import MOST_WIDTHS
 from shoecal_core.estimation.drift import (
@@ -29,7 +29,6 @@ from shoecal_core.shoe.sensing import Sensing
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import by_parameters
 
-FloatArray = NDArray[np.float64]
 DOUBT_SHARE = 0.02
 """Of the weight: creep, hysteresis and slow motion take GRF off it by less, however well a
 calibration says it knows it."""

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.estimation.accuracy import Misfit
 from shoecal_core.estimation.budget import Budget, budget
@@ -33,7 +33,6 @@ from shoecal_core.samples.stance import Stance
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.shoe.shoe import FEET, Shoe
 
-FloatArray = NDArray[np.float64]
 NORMAL_95 = 1.96
 """Half the width of a 95 % interval, in standard deviations."""
 

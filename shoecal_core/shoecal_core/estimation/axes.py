@@ -11,14 +11,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import stdtrit
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.samples.stance import Stance
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import FEET, Shoe
 
-FloatArray = NDArray[np.float64]
 SIDEWAYS = ("fx", "fy")
 LEAST_RUNS = 3
 LEAST_SAMPLES = 50

@@ -16,10 +16,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.expected import ErrorModel, Spread
 from shoecal_core.estimation.joint_fit import JointFit
-
-FloatArray = NDArray[np.float64]
 
 DRAWS = 400
 ROUNDING = 1e-12

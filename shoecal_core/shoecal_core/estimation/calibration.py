@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import FileError, ShapeError, ShoecalError
 from shoecal_core.files import Fields, read_yaml, write_yaml
 from shoecal_core.screening.verdict import VERDICTS
@@ -17,7 +18,6 @@ from shoecal_core.shoe.sensing import Sensing
 from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 
-FloatArray = NDArray[np.float64]
 FORMAT = 2
 """1: without columns; still written where there are none, so that older versions read it."""
 

@@ -16,8 +16,6 @@ from shoecal_core.screening.verdict import MOST_LISTED, Finding, list_reasons
 from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 
-FloatArray = NDArray[np.float64]
-
 GAIN_RATIO = 5.0
 """Cells of one kind differ by less than this factor in gain."""
 ZERO_WARN, ZERO_FAIL = 0.02, 0.05

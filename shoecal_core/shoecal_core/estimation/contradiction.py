@@ -9,15 +9,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.settings import SignalSettings
 from shoecal_core.error_sources.signal_model import make_signal_model
 from shoecal_core.error_sources.signals import COP, FAMILIES
 from shoecal_core.estimation.joint_fit import JointFit, UnsettledError
 from shoecal_core.samples.samples import Samples
 
-FloatArray = NDArray[np.float64]
 Solve = Callable[[Sequence[int], frozenset[str]], JointFit]
 """Fits some runs without some families of signals, or raises an `UnsettledError`."""
 LEAST_RUNS = 3

@@ -10,8 +10,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.chunks import chunks
 from shoecal_core.samples.stance import Stance
 from shoecal_core.shoe.correction import (
@@ -23,8 +23,6 @@ from shoecal_core.shoe.correction import (
 from shoecal_core.shoe.sensing import MINIMUM_FORCE
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters, cop, foot_wrenches
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from operator import add
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.correction_equations import CorrectionEquations, CorrectionSums
 from shoecal_core.samples.stance import Stance
 from shoecal_core.screening.settings import CalibrationSettings
@@ -21,7 +22,6 @@ from shoecal_core.shoe.correction import CopCorrection
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 
-FloatArray = NDArray[np.float64]
 Feet = tuple[int, ...]
 CHOICES: tuple[Feet, ...] = ((), (0,), (1,), (0, 1))
 MINIMUM_GAIN = 0.05

@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.weight import Weighed
 from shoecal_core.robot.robot import Robot
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 
-FloatArray = NDArray[np.float64]
 NOMINAL_SHARE = 0.05
 """Data sheets of gains, and weights, are right to this share."""
 SHEET_SHARE, SHEET_STDS = 0.1, 2.0

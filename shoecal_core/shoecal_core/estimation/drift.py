@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from statistics import NormalDist
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import chdtri
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.estimation.standstill import (
@@ -25,7 +25,6 @@ from shoecal_core.estimation.standstill import (
 from shoecal_core.robot.kinematics import BodyStates
 from shoecal_core.shoe.shoe import FEET, Shoe
 
-FloatArray = NDArray[np.float64]
 FALSE_ALARM = 0.003
 """Chance that GRF or CoP looks drifted while it is not, where the stated deviations hold."""
 SOURCES_OF_MODEL = ("self",)

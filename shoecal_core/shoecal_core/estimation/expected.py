@@ -13,9 +13,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ellipe
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.planning.landmarks import sensing_hull
 from shoecal_core.planning.supports.polygon_error import places_over
@@ -33,8 +33,6 @@ from shoecal_core.shoe.wrench import (
     foot_wrenches,
     to_left,
 )
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

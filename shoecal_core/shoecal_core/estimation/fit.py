@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from shoecal_core.estimation.correction_fit import fit_corrections
 from shoecal_core.estimation.initial_guess import InitialGuess, initial_guess
@@ -26,7 +25,6 @@ from shoecal_core.shoe.sensing import Sensing
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 
-FloatArray = NDArray[np.float64]
 MOST_SAMPLES = 20_000
 """Of a least squares: model errors are correlated over seconds, so more samples add nothing."""
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.calibration import (
     Calibration,
@@ -16,8 +17,6 @@ from shoecal_core.estimation.calibration import (
     load_calibration,
 )
 from shoecal_core.shoe.shoe import AXES
-
-FloatArray = NDArray[np.float64]
 
 SURE_STDS = 2.0
 """A change beyond this many standard deviations is marked."""

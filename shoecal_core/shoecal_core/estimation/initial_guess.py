@@ -13,13 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.chunks import chunks
 from shoecal_core.samples.stance import Stance
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters, at_cop, by_parameters
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,9 @@ from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import chdtri
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.settings import SignalSettings
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import ShoecalError
@@ -29,7 +29,6 @@ from shoecal_core.shoe.priors import TORQUE_LEVER_M
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import columns_in_left, weight_below
 
-FloatArray = NDArray[np.float64]
 FALSE_CHANGE = 1e-3
 """Chance that steady shoes are taken for changed ones."""
 SAMPLING = SampleSettings(rate_hz=RATE_HZ)

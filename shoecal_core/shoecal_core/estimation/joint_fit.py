@@ -19,8 +19,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.as_built import of_body
 from shoecal_core.error_sources.deviation import Deviation
 from shoecal_core.error_sources.noise import model_error, white_noise
@@ -35,8 +35,6 @@ from shoecal_core.samples.samples import Samples, Track
 from shoecal_core.shoe.priors import parameter_std
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
-
-FloatArray = NDArray[np.float64]
 
 RATE_HZ = 1.0
 """Of the means that are fitted."""

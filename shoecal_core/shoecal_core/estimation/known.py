@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.deviation import Deviation
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import (
@@ -27,8 +28,6 @@ from shoecal_core.shoe.wrench import (
     cop_jacobian,
     foot_wrenches,
 )
-
-FloatArray = NDArray[np.float64]
 
 GAIN_DRIFT = 0.005
 """How far gains may have moved since, as a share of them; cells' data sheets state less a year."""

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.known import KnownShoe
 from shoecal_core.shoe.load_cases import single_support_outputs
 from shoecal_core.shoe.sensing import Sensing
 from shoecal_core.shoe.shoe import Shoe
-
-FloatArray = NDArray[np.float64]
 
 ZERO_DRIFT_SHARE = 0.1
 """How far zeros may have moved since, over the robot's weight: wide for what data show, and narrow

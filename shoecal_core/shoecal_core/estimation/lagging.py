@@ -13,9 +13,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.least_squares import Prior
 from shoecal_core.estimation.residuals import ResidualWeights, residuals, unpack
 from shoecal_core.samples.filters import evenly
@@ -23,8 +23,6 @@ from shoecal_core.samples.stance import Stance
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import Shoe
-
-FloatArray = NDArray[np.float64]
 
 SMOOTHING_S = 0.3
 """Readings are smoothed so long before they are differentiated: noise is not change."""

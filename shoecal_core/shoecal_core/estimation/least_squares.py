@@ -6,13 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.posterior import Posterior
 from shoecal_core.errors import ShoecalError
 
-FloatArray = NDArray[np.float64]
 Rows = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 """Residuals (k,) of a vector (p,), and their Jacobian (k, p)."""
 

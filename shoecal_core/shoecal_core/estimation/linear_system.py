@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.as_built import of_shoes
 from shoecal_core.error_sources.deviation import Deviation
 from shoecal_core.error_sources.posterior import Posterior
@@ -16,8 +17,6 @@ from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.estimation.known import KnownShoe, KnownZeros
 from shoecal_core.shoe.wrench import ChannelParameters
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -14,14 +14,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.samples.stance import Stance
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters, by_parameters, cop_jacobian, weight_below
 
-FloatArray = NDArray[np.float64]
 HANGING_STD_N, HANGING_LEVER_M = 0.05, 0.05
 """How far the force that a foot in the air feels is off zero, and the lever of its moments: the
 weight of what hangs below the cells is known, and cells hold their zero."""

@@ -6,15 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.metrics import Mae, cop_mae, grf_mae
 from shoecal_core.recording.truth import Truth
 from shoecal_core.samples.stance import Stance
 from shoecal_core.shoe.sensing import Measured, Sensing
 from shoecal_core.shoe.shoe import FEET
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.data_sheets import without_sheets
 from shoecal_core.estimation.joint import SAMPLING
@@ -37,8 +37,6 @@ from shoecal_core.screening.screen import screen
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.screening.soles import Soles, open_soles
 from shoecal_core.shoe.shoe import Shoe
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError
 from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.robot.kinematics import BodyStates
@@ -25,8 +25,6 @@ from shoecal_core.shoe.wrench import (
     cop_jacobian,
     foot_wrenches,
 )
-
-FloatArray = NDArray[np.float64]
 
 LIFTED_M, LIFTED_SHARE = 0.005, 0.25
 """A foot so much higher than the other one, with less of the weight on it, is off the floor."""

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.body import driven_together
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.estimation.joint_fit import JointFit
 
-FloatArray = NDArray[np.float64]
 PLANAR = (0, 1, 5)
 """Of the six numbers of the right sole's pose in the left's: dx, dy, dtheta."""
 

@@ -16,8 +16,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.least_squares import Fit, Prior, minimise
 from shoecal_core.estimation.residuals import ResidualWeights, errors, rows_of
 from shoecal_core.samples.stance import Stance
@@ -26,7 +26,6 @@ from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import FEET, Shoe
 
-FloatArray = NDArray[np.float64]
 LEAST_ALONE_S = 2.0
 """On each foot of a walk."""
 REWEIGHED = 3

@@ -11,14 +11,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import stdtrit
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.samples.zeros import Zero, data_sheet
 from shoecal_core.shoe.shoe import FEET, Shoe
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -9,14 +9,12 @@ outputs f. What it leaves out (a pattern that sums to no wrench) changes neither
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.manual.measurements import LoadReading, Measurements
 from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_core.shoe.wrench import ChannelParameters, at_cop, foot_wrenches, weight_below
-
-FloatArray = NDArray[np.float64]
 
 
 def shoe_wrench(shoe: Shoe, foot: int) -> FloatArray:

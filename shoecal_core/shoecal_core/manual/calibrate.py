@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.estimation.correction_fit import MINIMUM_GAIN
@@ -30,7 +30,6 @@ from shoecal_core.shoe.correction import CopCorrection
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 
-FloatArray = NDArray[np.float64]
 SOURCE = "manual"
 CELLS_ONLY = (
     "single cells only: load the shoe next, its CoP is not corrected yet and assembling may have "

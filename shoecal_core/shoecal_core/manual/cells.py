@@ -10,14 +10,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.manual.loads import require_cells
 from shoecal_core.manual.measurements import Measurements, stacked
 from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.shoe.shoe import Shoe
-
-FloatArray = NDArray[np.float64]
 
 LEAST_RESPONSE = 1e-4
 """A cell whose reading changes by less than this part of the converter's range is dead."""

@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.checks import GAIN_RATIO
 from shoecal_core.estimation.metrics import Mae
 from shoecal_core.manual.cells import CellFit, unlike_gains
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import FEET, Shoe
-
-FloatArray = NDArray[np.float64]
 
 GRF_LIMITS = (0.15, 0.5)
 COP_LIMITS = (2e-3, 5e-3)

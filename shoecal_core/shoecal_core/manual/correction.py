@@ -11,14 +11,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.manual.measurements import Measurements
 from shoecal_core.manual.shoe_loads import ShoeLoads
 from shoecal_core.shoe.correction import CopCorrection, features
 from shoecal_core.shoe.shoe import FEET
-
-FloatArray = NDArray[np.float64]
 
 COP_STD, TERM_STD = 1e-3, 20e-3
 """m; scatter of one load's CoP, and how large a term of the correction may be."""

@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from enum import Enum
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.manual.calibrate import of_shoe
 from shoecal_core.manual.cells import wrong_response
@@ -18,7 +18,6 @@ from shoecal_core.manual.shoe_loads import wrong_weight
 from shoecal_core.manual.still import Last, StillReading, StillState
 from shoecal_core.robot.robot import GRAVITY
 
-FloatArray = NDArray[np.float64]
 Check = Callable[[Measurements, LoadReading], str]
 
 

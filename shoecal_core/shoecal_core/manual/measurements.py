@@ -9,13 +9,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import FieldError, ShapeError, ShoecalError
 from shoecal_core.manual.loads import CELLS, KINDS, Load
 from shoecal_core.shoe.shoe import FEET, Shoe
-
-FloatArray = NDArray[np.float64]
 
 LARGEST_MASS = 100.0
 """kg; anything heavier is a mass given in grams."""

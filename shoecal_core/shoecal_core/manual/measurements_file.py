@@ -7,15 +7,14 @@ import math
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import FieldError, FileError, NameNotFoundError, ShoecalError
 from shoecal_core.files import Fields, atomic_write, read_yaml
 from shoecal_core.manual.loads import CELLS, KINDS, Load
 from shoecal_core.manual.measurements import EntryError, LoadReading, Measurements
 from shoecal_core.shoe.shoe import FEET, Shoe
 
-FloatArray = NDArray[np.float64]
 FORMAT = 1
 
 

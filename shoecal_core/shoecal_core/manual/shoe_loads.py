@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.manual.assembly import shoe_wrench
 from shoecal_core.manual.loads import Load
 from shoecal_core.manual.measurements import Measurements, stacked
@@ -14,8 +14,6 @@ from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.shoe.sensing import MINIMUM_FORCE
 from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_core.shoe.wrench import ChannelParameters, at_cop, cop, foot_wrenches
-
-FloatArray = NDArray[np.float64]
 
 FORCE_ERROR, FORCE_SHARE = 0.5, 0.05
 """N, and share of the force: further off, another weight stood there."""

@@ -7,13 +7,11 @@ from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.manual.loads import Load
 from shoecal_core.manual.settings import ManualSettings
 from shoecal_core.shoe.shoe import Shoe
-
-FloatArray = NDArray[np.float64]
 
 CHANGED = 3.0
 """A new load changes a channel by more than this, in the largest std of a still reading."""

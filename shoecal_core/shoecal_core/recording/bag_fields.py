@@ -8,9 +8,8 @@ from dataclasses import fields, is_dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from shoecal_core.arrays import FloatArray
 
 MOST_ELEMENTS = 64
 """Of an array, that are taken for readings or joint angles; images have more."""

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError, ShoecalError
 from shoecal_core.estimation.assessment import NORMAL_95, Assessment
 from shoecal_core.estimation.calibration import Calibration
@@ -20,8 +20,6 @@ from shoecal_core.robot.robot import Robot
 from shoecal_core.samples.zeros import ZeroFigures
 from shoecal_core.screening.result import Screening
 from shoecal_core.shoe.shoe import Shoe
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from shoecal_core.estimation.series import Series
 from shoecal_core.report import palette
@@ -16,8 +15,6 @@ from shoecal_core.report.page import Picture
 from shoecal_core.report.palette import Look
 from shoecal_core.report.quantities import mean_error
 from shoecal_core.shoe.shoe import FEET
-
-FloatArray = NDArray[np.float64]
 
 GUESS, MEASURED, MODELLED = "initial guess", "calibrated", "model"
 

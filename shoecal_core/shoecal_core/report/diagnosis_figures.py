@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.artist import Artist
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.diagnosis.result import Diagnosis, Evidence
 from shoecal_core.report import palette
 from shoecal_core.report.diagnosis_places import cop_residual, noise_of, signal
@@ -31,8 +31,6 @@ _UNITS = {
     "closure": _LENGTH, "parity": _FORCE, "tilt": _ANGLE,
 }  # fmt: skip
 """By the beginning of a signal's name, the first that fits: factor and unit for a person."""
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 MOST_RIVALS = 4
 MOST_SHARES = 10
 LEAST_PROBABLE = 1e-3

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.diagnosis.result import Diagnosis, Evidence, Fitted
 from shoecal_core.report.figures.feet import foot_shape
 from shoecal_core.report.figures.named_bars import percent
@@ -22,7 +22,6 @@ from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import FEET, Shoe
 
-FloatArray = NDArray[np.float64]
 LEAST_EXCESS = 0.2
 """Excess over noise, as a part of it, from which it is worth asking who makes it."""
 CELL_M = 0.008

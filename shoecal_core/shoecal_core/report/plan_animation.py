@@ -5,15 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.report.figures.motion import BODY, LEFT_SIDE, RIGHT_SIDE
 from shoecal_core.report.plan_content import BOTH, PlannedMotion
 from shoecal_core.report.plan_figures import moved
 from shoecal_core.report.player import Player, PlayerPoints, PlayerView, Shape
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 RATE = 10.0
 """Frames a second: motions are slow, and between frames the page interpolates."""

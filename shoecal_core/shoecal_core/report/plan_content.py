@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.checking.body_track import BodyTrack, track
 from shoecal_core.planning.checking.findings import Report
 from shoecal_core.planning.motion import Motion
@@ -18,7 +19,6 @@ from shoecal_core.planning.support_phase import SupportPhase
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import FEET
 
-FloatArray = NDArray[np.float64]
 SAME = 1e-3
 """m; places nearer to each other than this are drawn as one."""
 BOTH = "both"

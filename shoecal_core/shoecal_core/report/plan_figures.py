@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.report.figures.margins import margins
 from shoecal_core.report.figures.motion import SIDES, Skeleton, leg_keys, skeleton, snapshots
 from shoecal_core.report.figures.strips import Strip, strips
@@ -15,7 +15,6 @@ from shoecal_core.report.plan_content import PlannedMotion
 from shoecal_core.report.quantities import quantity
 from shoecal_core.robot.symbolic import joint_axis
 
-FloatArray = NDArray[np.float64]
 STILLS = 5
 ROOT_JOINTS = 2
 """Pinocchio's universe and free-flyer stand before the robot's own joints."""

@@ -14,17 +14,14 @@ from contextlib import contextmanager
 from xml.etree import ElementTree
 
 import matplotlib as mpl
-import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.report.palette import COLOURS, INK, MUTED, RULE, Colour, Look
-
-FloatArray = NDArray[np.float64]
 
 WIDTH = 380.0
 """Units of a figure's width; Matplotlib's points."""

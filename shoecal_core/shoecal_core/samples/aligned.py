@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.recording.align import interpolate_joints
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.limits import beyond_limits, in_degrees
@@ -16,7 +17,6 @@ from shoecal_core.robot.kinematics import BodyStates, Kinematics
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import Shoe
 
-FloatArray = NDArray[np.float64]
 MAX_JOINT_GAP_S = 0.1
 """Readings between joint angles further apart than this have no model value."""
 MIN_SAMPLES = 50

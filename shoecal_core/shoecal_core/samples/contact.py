@@ -11,14 +11,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import BoolArray, FloatArray, IntArray
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.vertical import LOWEST_SHARE, polarity_known, vertical_forces
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
-IntArray = NDArray[np.int64]
 
 CLEARANCE_M = 0.005
 """A sole whose lowest corner is higher than this above the other's lowest one may be in the air."""

@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
-FloatArray = NDArray[np.float64]
+from shoecal_core.arrays import FloatArray
+
 EVEN = 0.01
 """Periods that differ by less than this share of one are even."""
 

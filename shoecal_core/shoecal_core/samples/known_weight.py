@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.kinematics import BodyStates
 from shoecal_core.robot.robot import Robot
-
-FloatArray = NDArray[np.float64]
 
 WEIGHTED = "known_weight"
 """Name that a recording gives the motion of such a run."""

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import BoolArray, FloatArray, IntArray
 from shoecal_core.robot.kinematics import BodyStates
 from shoecal_core.robot.level import standing_pose
 from shoecal_core.robot.robot import Robot
@@ -22,10 +22,6 @@ from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.contact import moves
 from shoecal_core.samples.stretches import lasting, unchanged, widened
 from shoecal_core.shoe.shoe import Shoe
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
-IntArray = NDArray[np.int64]
 
 UNLOADING: Mapping[str, int] = {"unload_left": 0, "unload_right": 1}
 """Motions that lift a foot, by name: index of the foot."""

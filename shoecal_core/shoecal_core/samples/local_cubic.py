@@ -8,10 +8,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import correlate1d
 
-FloatArray = NDArray[np.float64]
+from shoecal_core.arrays import FloatArray
+
 POWERS = np.arange(4)
 
 

@@ -10,11 +10,10 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.kinematics import BodyStates, Kinematics
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import FEET
-
-FloatArray = NDArray[np.float64]
 
 
 def base_in_stance(states: BodyStates, frame: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:

@@ -11,18 +11,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
+from shoecal_core.arrays import BoolArray, FloatArray, IntArray
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.kinematics import BodyStates
 from shoecal_core.robot.robot import Robot
 from shoecal_core.samples.filters import play
 from shoecal_core.shoe.shoe import Shoe
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
-IntArray = NDArray[np.int64]
 
 STRETCH_S = 6.0
 TURNED_BACK = 0.004

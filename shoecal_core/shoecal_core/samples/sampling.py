@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
+from shoecal_core.arrays import BoolArray, FloatArray, IntArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.recording.run import Run
 from shoecal_core.robot.kinematics import Kinematics
@@ -31,10 +31,6 @@ from shoecal_core.samples.stretches import unchanged
 from shoecal_core.samples.walking_samples import Walk, find_walk, pieces
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.vertical import at_least_load
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
-IntArray = NDArray[np.int64]
 
 MIN_SEGMENT_S = 0.8
 LEAST_FILLED = 0.5

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.recording.run import Run
 from shoecal_core.robot.robot import Robot
 
-FloatArray = NDArray[np.float64]
 LEAST_KNOWN = 0.5
 """Share of its readings in which an IMU must give an orientation, for any to be used."""
 

@@ -12,12 +12,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError, ShoecalError
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import at_cop, columns_in_left, combined, weight_below
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

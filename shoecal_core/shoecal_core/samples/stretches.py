@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
-IntArray = NDArray[np.int64]
+from shoecal_core.arrays import BoolArray, FloatArray, IntArray
+
 Stretch = tuple[float, float]
 
 JOIN_S = 1.0

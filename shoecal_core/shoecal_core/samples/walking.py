@@ -12,9 +12,9 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation, Slerp
 
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.recording.run import PoseSamples
 from shoecal_core.robot.double_support import DoubleSupport
@@ -25,9 +25,6 @@ from shoecal_core.samples.filters import evenly, typical_period
 from shoecal_core.samples.local_cubic import local_cubics
 from shoecal_core.samples.stance import Stance, make_stance
 from shoecal_core.shoe.shoe import FEET, Shoe
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 SMOOTHING_S = 0.3
 """Window of the local cubic that accelerations are taken from."""

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation, Slerp
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.run import PoseSamples, Run
 from shoecal_core.robot.robot import GRAVITY, Robot
@@ -23,8 +24,6 @@ from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.momentum import angular_momentum
 from shoecal_core.samples.walking import World, derivative, in_world, walking_stances
 from shoecal_core.shoe.shoe import Shoe
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

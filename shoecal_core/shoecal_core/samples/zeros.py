@@ -14,11 +14,9 @@ from typing import NotRequired, TypedDict
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_core.shoe.wrench import ChannelParameters, weight_below
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 EDGE_S = 0.04
 """Cut from both ends of each stretch in the air: there the foot is just leaving or landing."""

@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.level import standing_samples
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.screening.noise import noise, resolution
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import columns_in_left, combined, weight_below
-
-FloatArray = NDArray[np.float64]
 
 BLOCK_S = 0.2
 """A slow robot hardly moves in so short a time."""

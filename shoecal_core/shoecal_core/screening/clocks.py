@@ -13,9 +13,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.samples.aligned import MIN_SAMPLES, Aligned
 from shoecal_core.samples.filters import resampled, typical_period
 from shoecal_core.screening.blocks import blocks
@@ -25,8 +25,6 @@ from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.shoe.sensing import MINIMUM_FORCE
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import cop
-
-FloatArray = NDArray[np.float64]
 
 CHANGES_S = (0.8, 0.8, 0.4, 0.4, 0.15, 0.15, 0.15)
 """Times over which changes are looked at, one after the other."""

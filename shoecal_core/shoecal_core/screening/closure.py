@@ -11,15 +11,13 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.filters import evenly
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 Key = TypeVar("Key", bound=Hashable)
 
 PLACE = [0, 1, 5]

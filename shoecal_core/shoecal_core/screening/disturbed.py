@@ -7,16 +7,13 @@ modelled one for less than seconds. Slow differences are the model's own.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import median_filter, uniform_filter1d
 
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.samples.filters import evenly
 from shoecal_core.screening.blocks import BLOCK_S, in_blocks
 from shoecal_core.screening.noise import spread
 from shoecal_core.screening.settings import CalibrationSettings
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 FAST_MOTION = "faster"
 """Twice the usual speed makes every gear strike where it turns: that is no fault."""

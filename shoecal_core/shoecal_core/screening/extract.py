@@ -7,8 +7,8 @@ Where the feet move (walking, stepping) `walking` finds the stances.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import BoolArray
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.run import Run
 from shoecal_core.robot.kinematics import Kinematics
@@ -20,8 +20,6 @@ from shoecal_core.samples.walking import World, in_world, walking_stances
 from shoecal_core.samples.zeros import Zero, zeros_of_run
 from shoecal_core.screening.result import Screening
 from shoecal_core.shoe.shoe import Shoe
-
-BoolArray = NDArray[np.bool_]
 
 MAX_FOOT_DRIFT_M = 0.01
 """In a double support the feet's distance, by the joint angles, stays within this."""

@@ -15,13 +15,9 @@ from itertools import compress
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import BoolArray, FloatArray, IntArray
 from shoecal_core.shoe.shoe import Shoe
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 FOLLOWS = 0.35
 """A channel that shows more of its expected motion follows the others, though with another gain."""

@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import BoolArray
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.contact import moves
 from shoecal_core.samples.lifting import TRANSIT_S
@@ -20,8 +20,6 @@ from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.vertical import at_least_load, both_carry_load
 from shoecal_core.shoe.wrench import foot_wrenches
-
-BoolArray = NDArray[np.bool_]
 
 HANGS_SHARE = 0.2
 """Of the weight: by gains and offsets that are roughly known, a foot that hangs carries less."""

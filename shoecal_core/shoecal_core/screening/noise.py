@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from shoecal_core.arrays import FloatArray
 
 _MEDIAN_OF_NORMAL = 0.6745
 """Median of the absolute value of a standard normal number."""

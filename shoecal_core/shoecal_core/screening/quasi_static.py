@@ -7,17 +7,14 @@ z a / g: height of the CoM times horizontal acceleration over gravity.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.filters import resampled, typical_period
 from shoecal_core.samples.local_cubic import local_cubics, middle_weights
 from shoecal_core.screening.noise import spread
 from shoecal_core.screening.settings import CalibrationSettings
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 LONGEST_GAP_S = 0.05
 """Near longer gaps in the recording accelerations are unknown."""

@@ -5,15 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-import numpy as np
-from numpy.typing import NDArray
-
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.samples.stretches import Stretch
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.verdict import Finding
-
-BoolArray = NDArray[np.bool_]
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -12,16 +12,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.screening.blocks import Blocks
 from shoecal_core.screening.noise import spread
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.shoe.priors import TORQUE_LEVER_M
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters, at_cop, by_parameters
-
-FloatArray = NDArray[np.float64]
 
 ROUNDS = 5
 """Times that the blocks are weighted again."""

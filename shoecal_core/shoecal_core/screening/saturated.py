@@ -10,8 +10,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.recording.run import Readings
 from shoecal_core.recording.schemas import SATURATED
 from shoecal_core.screening.blocks import Blocks, ReadingBlocks
@@ -20,9 +20,6 @@ from shoecal_core.screening.noise import spread
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.screening.unresponsive import joined
 from shoecal_core.shoe.shoe import Shoe
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 BEYOND_SHARE = 0.2
 """A channel at its end goes no further than this share of what it should, be the end a soft one."""

@@ -10,13 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.shoe.shoe import Shoe
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 WIDTH = 9
 """Readings in the median: jumps of up to four of them stand out."""

@@ -6,9 +6,9 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.lifting import TRANSIT_S, LiftedFoot, lifted
 from shoecal_core.samples.stretches import JOIN_S, lasting, stretches, widened
@@ -36,9 +36,6 @@ from shoecal_core.screening.zeros import moved_zeros
 from shoecal_core.shoe.sensing import MINIMUM_FORCE
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters, cop, foot_wrenches
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 MARGIN_S = 0.15
 """Also left out around what moved, pushed or lifted the robot: it still sways."""

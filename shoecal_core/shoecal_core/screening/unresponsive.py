@@ -6,15 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.samples.stretches import stretches
 from shoecal_core.screening.blocks import ReadingBlocks
 from shoecal_core.screening.following import NOISE_RANGE, StuckBlocks, all_stuck, neighbours
 from shoecal_core.shoe.shoe import Shoe
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 DEAD_SHARE = 0.02
 """A channel that moves by less than this share of the others' range is dead."""

@@ -10,12 +10,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.screening.rough_fit import Equations, RoughFit, reweighed, solve
 from shoecal_core.screening.settings import CalibrationSettings
-
-FloatArray = NDArray[np.float64]
 
 OFF_STDS = 4.0
 """A run's weight is wrong when it is this many of the settings' standard deviations off, beyond

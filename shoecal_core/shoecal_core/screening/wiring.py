@@ -12,16 +12,12 @@ from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import BoolArray, FloatArray, IntArray
 from shoecal_core.screening.blocks import Blocks
 from shoecal_core.screening.rough_fit import RoughFit, equations, solve_sums
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.shoe.shoe import Shoe
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 SURE_STDS = 5.0
 """A gain has its sign when it is this many standard deviations off zero."""

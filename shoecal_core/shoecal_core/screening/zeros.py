@@ -13,13 +13,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.screening.rough_fit import Equations, reweighed, solve
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.shoe.priors import TORQUE_LEVER_M
-
-FloatArray = NDArray[np.float64]
 
 LEAST_COST = 1.0
 WHOLE = 0.1

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError
 from shoecal_core.shoe.shoe import FEET, Shoe
 
-FloatArray = NDArray[np.float64]
 _KINDS = ("gains", "offsets")
 _ENOUGH = 0.7
 """Part of a direction that its description must name."""

@@ -13,8 +13,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError, ShoecalError
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.shoe.sensing import MINIMUM_FORCE
@@ -26,8 +26,6 @@ from shoecal_core.shoe.wrench import (
     cop_jacobian,
     foot_wrenches,
 )
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -6,13 +6,11 @@ import string
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from shapely import MultiPoint, Point
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import NameNotFoundError
 from shoecal_core.files import Fields
-
-FloatArray = NDArray[np.float64]
 
 MIN_PITCH = 2e-3
 """m; holes nearer to each other than this are one hole."""

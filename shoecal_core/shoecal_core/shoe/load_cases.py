@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import at_cop, columns_in_left, combined, weight_below
-
-FloatArray = NDArray[np.float64]
 
 
 def double_support_outputs(

@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.settings import Settings, setting
 from shoecal_core.shoe.shoe import Shoe
 
-FloatArray = NDArray[np.float64]
 USUAL_WEIGHT = 52.0
 """N, of a small humanoid; what is in newtons grows with a robot that is heavier."""
 TORQUE_LEVER_M = 0.1

@@ -10,13 +10,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.shoe.correction import CopCorrection, N, check_corrections, corrected_channels
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters, at_cop, combined, cop, weight_below
 
-FloatArray = NDArray[np.float64]
 Place = tuple[float, float]
 MINIMUM_FORCE = 2.0
 """N; a foot that carries less has no CoP."""

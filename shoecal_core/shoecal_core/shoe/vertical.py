@@ -7,13 +7,10 @@ little; one that reads more carries load.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.shoe.shoe import FEET, Shoe
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 LOWEST_SHARE = 0.08
 """A foot in the air reads its least, to within this share of the range, and keeps to it."""

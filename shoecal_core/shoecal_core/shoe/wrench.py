@@ -10,14 +10,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError, ShoecalError
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.shoe.shoe import Shoe
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.simulation.reality import PlantVariation
 from shoecal_core.simulation.sampled_parts import SampledShoes
-
-FloatArray = NDArray[np.float64]
 
 GOOD, SATURATED = 0, 1
 

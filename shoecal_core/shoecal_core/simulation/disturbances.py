@@ -6,15 +6,12 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import mujoco
-import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import NameNotFoundError
 from shoecal_core.robot.robot import Robot
 from shoecal_core.simulation.compiled_robot import RobotPhysics
 from shoecal_core.simulation.sampled_parts import link_names
-
-FloatArray = NDArray[np.float64]
 
 
 class MovingRobot(Protocol):

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.simulation.sampled_parts import SampledBody
-
-FloatArray = NDArray[np.float64]
 
 _ITERATIONS = 6
 """Of a fixed point whose error shrinks by the amplitude [rad] each time."""

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from shoecal_core.arrays import FloatArray
 
 MIN_LOAD = 0.5
 """N; with less on it a foot has no CoP."""

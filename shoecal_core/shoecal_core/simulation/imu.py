@@ -6,13 +6,11 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.simulation.reality import ImuRules
 from shoecal_core.simulation.snapshot import Snapshot
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -18,9 +18,8 @@ from collections.abc import Sequence
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from shoecal_core.arrays import FloatArray
 
 _BENT = 1e-3
 """rad; by which a bristle is bent when static friction gives way."""

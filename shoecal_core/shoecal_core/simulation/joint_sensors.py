@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.simulation.compiled_robot import RobotPhysics
 from shoecal_core.simulation.encoders import Encoders
 from shoecal_core.simulation.sampled_robot import SampledRobot
 from shoecal_core.simulation.snapshot import Snapshot
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

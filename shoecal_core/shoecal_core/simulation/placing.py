@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.simulation.robot import SimulatedRobot
-
-FloatArray = NDArray[np.float64]
 
 
 def place_showing(sim: SimulatedRobot, joint_angles: FloatArray) -> None:

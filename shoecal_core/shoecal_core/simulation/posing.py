@@ -5,15 +5,12 @@ from __future__ import annotations
 import math
 
 import mujoco
-import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.robot import Robot
 from shoecal_core.simulation.compiled_robot import RobotPhysics
 from shoecal_core.simulation.faults import SupportNotReachedError
 from shoecal_core.simulation.shoe_physics import SoleReader
-
-FloatArray = NDArray[np.float64]
 
 _DROP = 5e-4
 """m; from how high the soles are put down."""

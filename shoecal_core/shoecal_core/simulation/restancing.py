@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.simulation.compiled_robot import RobotPhysics
 from shoecal_core.simulation.shoe_physics import SoleReader, sole_name
-
-FloatArray = NDArray[np.float64]
 
 _STEPS = 3
 """Of Newton's, each time: begun where the last one ended, that is more than enough."""

@@ -6,8 +6,8 @@ import math
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError, ShoecalError
 from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.shoe.shoe import FEET, Shoe
@@ -21,8 +21,6 @@ from shoecal_core.simulation.shoe_physics import (
     add_floor,
 )
 from shoecal_core.simulation.stepping import advance
-
-FloatArray = NDArray[np.float64]
 
 _MARGIN = 0.02
 """m; the shoe's outline on the bench beyond its channels: wide enough not to tip."""

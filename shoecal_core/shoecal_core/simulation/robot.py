@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError
 from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.robot.robot import Robot
@@ -29,8 +29,6 @@ from shoecal_core.simulation.set_points import SERVO_PERIOD, SetPoints
 from shoecal_core.simulation.shoe_physics import ChannelOutputs, SoleReader, floor_rotation
 from shoecal_core.simulation.snapshot import Snapshot
 from shoecal_core.simulation.stepping import advance
-
-FloatArray = NDArray[np.float64]
 
 __all__ = ["RobotFellError", "SimulatedRobot", "SupportNotReachedError"]
 

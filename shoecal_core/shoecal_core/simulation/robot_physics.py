@@ -5,8 +5,8 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.files import read_bytes
 from shoecal_core.robot.robot import GRAVITY, Robot
 from shoecal_core.robot.urdf import ROOT_JOINTS, UrdfError, with_locked_fixed
@@ -15,9 +15,6 @@ from shoecal_core.simulation.compiled_robot import RobotPhysics
 from shoecal_core.simulation.joint_friction import add_bristle
 from shoecal_core.simulation.sampled_robot import SampledRobot
 from shoecal_core.simulation.shoe_physics import ShoeBuilder, add_floor
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 _STIFFEST_GEAR = 1e-5
 """rad/(N m); the compliance of a gear that has play alone."""

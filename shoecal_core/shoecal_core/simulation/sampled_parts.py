@@ -5,17 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 from shoecal_core.simulation.stage import AnyStage
 from shoecal_core.simulation.temperature import WarmUp
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -7,16 +7,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.robot import GRAVITY, Robot
 from shoecal_core.shoe.shoe import FEET, Channel, Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 from shoecal_core.simulation.reality import ALL, BASE, NamedNumbers, PlantVariation
 from shoecal_core.simulation.sampled_parts import SampledBody, SampledShoes, link_names
 from shoecal_core.simulation.temperature import WarmUp
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.simulation.converter import ConvertedReadings
@@ -17,8 +15,6 @@ from shoecal_core.simulation.imu import ImuReadings
 from shoecal_core.simulation.joint_sensors import JointReadings
 from shoecal_core.simulation.robot import SimulatedRobot
 from shoecal_core.simulation.snapshot import stack
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

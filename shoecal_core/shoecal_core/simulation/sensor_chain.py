@@ -6,12 +6,10 @@ from collections import deque
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.simulation.sampled_parts import SampledShoes
 from shoecal_core.simulation.stage import Instant
-
-FloatArray = NDArray[np.float64]
 
 NO_SIDEWAYS = np.zeros((2, 2))
 

@@ -8,11 +8,9 @@ import numpy as np
 
 # Trajectories need it; loaded at the first one it would halt a simulation that runs in real time.
 import scipy.interpolate  # noqa: F401
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.joint_trajectory import JointTrajectory
-
-FloatArray = NDArray[np.float64]
 
 SERVO_PERIOD = 0.01
 """s; a servo takes a new command that often and moves evenly in between."""

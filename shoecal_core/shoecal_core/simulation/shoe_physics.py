@@ -15,15 +15,13 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.shoe.shoe import AXES, FEET, Shoe
 from shoecal_core.simulation.reality import PlantVariation
 from shoecal_core.simulation.sampled_parts import SampledShoes
-
-FloatArray = NDArray[np.float64]
 
 _OURS = "shoe/"
 """Starts the names of bodies and joints, so that none is a name of the URDF."""

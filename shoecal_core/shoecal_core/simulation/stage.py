@@ -7,10 +7,8 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any, ClassVar, Generic, TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
+from shoecal_core.arrays import FloatArray
 
-FloatArray = NDArray[np.float64]
 State = TypeVar("State")
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.recording.align import interpolate_joints
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.schemas import GOOD
@@ -17,8 +17,6 @@ from shoecal_core.samples.zeros import with_own_zeros
 from shoecal_core.screening.extract import zeros_of
 from shoecal_core.shoe.sensing import Measured, Sensing
 from shoecal_core.shoe.shoe import FEET
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import ShoecalError
@@ -77,7 +76,6 @@ from shoecal_core.screening.verdict import Finding, Verdict, judge
 from shoecal_core.shoe.sensing import Sensing
 from shoecal_core.shoe.wrench import ChannelParameters
 
-FloatArray = NDArray[np.float64]
 DISTINCT_SUPPORTS = 2
 """Gains and offsets of two feet cannot be separated in fewer double supports."""
 

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.run import Run
 from shoecal_core.robot.joint_trajectory import JointTrajectory
@@ -22,7 +22,6 @@ from shoecal_core.simulation.sampled_robot import SampledRobot, draw
 from shoecal_core.simulation.snapshot import stack
 from shoecal_core.workspace import config_dir
 
-FloatArray = NDArray[np.float64]
 RATE_HZ = 25.0
 
 

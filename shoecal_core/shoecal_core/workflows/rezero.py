@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.estimation.drift import Drift, drift_of, shares_model
@@ -31,8 +32,6 @@ from shoecal_core.robot.kinematics import BodyStates
 from shoecal_core.shoe.priors import TORQUE_LEVER_M
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
-
-FloatArray = NDArray[np.float64]
 
 DRIFT_STD = 0.1
 """How far an offset drifts in an hour or longer, where no sign of more is seen [N]."""

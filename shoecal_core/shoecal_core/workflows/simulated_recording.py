@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.standard import PlannedRun
 from shoecal_core.recording import messages, schemas
 from shoecal_core.recording.info import RunInfo
@@ -16,7 +17,6 @@ from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.simulation.robot import SimulatedRobot
 from shoecal_core.simulation.samples import SimulatedSamples
 
-FloatArray = NDArray[np.float64]
 Stamps = NDArray[np.int64]
 Message = tuple[int, str, bytes]
 """Stamp [ns], topic, CDR bytes."""

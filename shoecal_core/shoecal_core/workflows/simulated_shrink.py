@@ -17,8 +17,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.diagnosis.result import Cause, Diagnosis, SimulatedShrink
 from shoecal_core.error_sources.base import split_name
 from shoecal_core.errors import ShoecalError
@@ -39,8 +39,6 @@ from shoecal_core.shoe.wrench import ChannelParameters, combined, cop, foot_wren
 from shoecal_core.simulation.effects.registry import EFFECTS, read_effect
 from shoecal_core.workflows.many_jobs import over_cores
 from shoecal_core.workflows.replayed import Replayed, like_the_model, replay
-
-FloatArray = NDArray[np.float64]
 
 SUFFIXES = {
     "s": "_s", "m": "_m", "rad": "_rad", "kg": "_kg", "N": "_n", "": "", "1/N": "_per_n",

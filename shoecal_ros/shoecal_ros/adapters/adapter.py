@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.settings import Settings, setting
@@ -28,7 +28,6 @@ from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.inputs.armed_input import SHORT_LEASE_S, ArmedInput
 from shoecal_ros.inputs.joints import JointBatch, JointInput
 
-FloatArray = NDArray[np.float64]
 STALE_S = 0.5
 NOT_HEARD = "not armed: no node publishes whether it is"
 OLDEST_S = 0.2

@@ -8,12 +8,10 @@ import numpy as np
 
 # Trajectories need it; loaded at the first one it would halt the node as the robot begins to move.
 import scipy.interpolate  # noqa: F401
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.robot.robot import Robot
-
-FloatArray = NDArray[np.float64]
 
 STOP_S = 0.4
 """In which joints come to rest, and in which they pass over to a new trajectory."""

@@ -8,8 +8,9 @@ from collections.abc import Sequence
 
 from rclpy.publisher import Publisher
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.joint_trajectory import JointTrajectory
-from shoecal_ros.adapters.adapter import OLDEST_S, Adapter, FloatArray
+from shoecal_ros.adapters.adapter import OLDEST_S, Adapter
 from shoecal_ros.adapters.stream import Stream
 
 ASLEEP_S = OLDEST_S

@@ -6,8 +6,8 @@ from collections import deque
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.agreement import Agreement, Compared, Judgement, judge
 from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.robot.kinematics import BodyStates
@@ -17,7 +17,6 @@ from shoecal_ros.common.codes import Code
 from shoecal_ros.common.health import Condition, Level
 from shoecal_ros.inputs.joining import Joined
 
-FloatArray = NDArray[np.float64]
 WINDOW_NS = 10**9
 """Of readings that are judged: long against steps of a gait, short against falling over."""
 SAMPLE_NS = 10**7

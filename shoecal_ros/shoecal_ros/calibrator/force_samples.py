@@ -16,9 +16,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from geometry_msgs.msg import Point, Vector3, Wrench
-from numpy.typing import NDArray
 from shoecal_msgs.msg import FootForce, ShoeForces
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.estimation.expected import sideways_moment
@@ -29,7 +29,6 @@ from shoecal_ros.calibrator.live import FootFlags, Live, wrench_of
 from shoecal_ros.calibrator.load import LEFT, RIGHT
 from shoecal_ros.common.conversions import header_to_ros
 
-FloatArray = NDArray[np.float64]
 STANCE = "stance"
 SUM_FRAMES = (STANCE, *FEET)
 """Frame of the sum: of the foot that carries, as `shoe/cop`; or always of one foot."""

@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 from shoecal_msgs.msg import ShoeVoltages
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.shoe.sensing import FootInstant, Place, Sensing
 from shoecal_ros.calibrator.load import LEFT, RIGHT, LoadSwitch
 from shoecal_ros.inputs.joining import Joined
 
-FloatArray = NDArray[np.float64]
 Wrench = tuple[float, float, float]
 
 

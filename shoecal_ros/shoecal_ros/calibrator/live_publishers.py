@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-import numpy as np
 from geometry_msgs.msg import PointStamped, WrenchStamped
-from numpy.typing import NDArray
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from shoecal_msgs.msg import FootState, ShoeForces, ShoeState
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.kinematics import BodyStates
 from shoecal_core.shoe.sensing import Place
 from shoecal_core.shoe.shoe import FEET, Shoe
@@ -20,7 +19,6 @@ from shoecal_ros.calibrator.live import Doubts, FootFlags, Live, Wrench, wrench_
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import header_to_ros, point_to_ros, wrench_to_ros
 
-FloatArray = NDArray[np.float64]
 BOTH = -1
 """In place of a foot: both together."""
 

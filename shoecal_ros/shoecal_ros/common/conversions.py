@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 from builtin_interfaces.msg import Duration, Time
 from geometry_msgs.msg import PointStamped, WrenchStamped
-from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 from shoecal_msgs import msg as shoecal_msg
 from shoecal_msgs.msg import ShoeCalibration, ShoeVoltages
@@ -17,6 +16,7 @@ from std_msgs.msg import Header
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 from trajectory_msgs.msg import JointTrajectoryPoint
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import NameNotFoundError, ShapeError, ShoecalError
 from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.robot.double_support import DoubleSupport
@@ -28,7 +28,6 @@ from shoecal_ros.common.names import short_name
 from shoecal_ros.common.origin import EPOCH_NS, Origin
 from shoecal_ros.common.voltage_frame import VoltageFrame
 
-FloatArray = NDArray[np.float64]
 SECOND_NS = 1_000_000_000
 CALIBRATION_FORMAT = 1
 """Version of the layout of ShoeCalibration."""

@@ -12,11 +12,8 @@ from bisect import bisect_right
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from shoecal_core.robot.joint_trajectory import JointTrajectory
-
-FloatArray = NDArray[np.float64]
 
 TIMEOUT_S = 0.5
 """From the beginning of a piece to rest."""

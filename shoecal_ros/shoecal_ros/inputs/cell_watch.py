@@ -19,14 +19,12 @@ import numpy as np
 from numpy.typing import NDArray
 from shoecal_msgs.msg import ShoeVoltages
 
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_ros.common.codes import Code
 from shoecal_ros.common.health import Condition, Level
 from shoecal_ros.inputs.joining import NEVER_NS, Joined
 from shoecal_ros.inputs.own_noise import ALL, Cells, OwnNoise
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 FREEZE_S, FREEZE_FRAMES = 0.08, 8.0
 """Time constant of how often a reading changes: whichever is longer."""

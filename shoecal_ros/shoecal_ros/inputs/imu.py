@@ -7,13 +7,11 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.robot import GRAVITY, Robot
 from shoecal_ros.common.conversions import time_from_ros
 from shoecal_ros.inputs.arrival_monitor import ArrivalMonitor
-
-FloatArray = NDArray[np.float64]
 
 SMOOTHING_S = 0.2
 """Time constant that takes shaking out of an accelerometer's direction."""

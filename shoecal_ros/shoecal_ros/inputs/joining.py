@@ -12,12 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 from shoecal_msgs.msg import ShoeVoltages
 
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.settings import Settings, setting
 from shoecal_ros.common.voltage_frame import VoltageFrame
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 NO_DATA = ShoeVoltages.NO_DATA
 CLOCK_SET_NS = 1_000_000_000

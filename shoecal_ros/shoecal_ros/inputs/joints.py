@@ -12,14 +12,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.robot.robot import Robot
 from shoecal_ros.common.codes import Code, Problem
 from shoecal_ros.common.conversions import time_from_ros
 from shoecal_ros.inputs.arrival_monitor import SILENT_S, ArrivalMonitor
 from shoecal_ros.inputs.one_sender import OneSender
-
-FloatArray = NDArray[np.float64]
 
 ASK_S = 0.1
 """From one look for who sends to the next, while they contradict each other."""

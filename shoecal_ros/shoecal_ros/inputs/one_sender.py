@@ -7,10 +7,9 @@ from collections import deque
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.robot import Robot
 from shoecal_ros.inputs.joining import CLOCK_SET_NS
-
-FloatArray = NDArray[np.float64]
 
 SLACK_RAD, SLACK_SPEED = 0.05, 2.0
 """Between two samples a joint moves by no more than this, plus so many times its fastest."""

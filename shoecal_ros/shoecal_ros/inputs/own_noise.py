@@ -16,8 +16,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
+from shoecal_core.arrays import BoolArray, FloatArray
+
 Cells = slice | NDArray[np.int64]
 """Some channels."""
 ALL = slice(None)

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.recording.schemas import GOOD
 from shoecal_core.shoe.sensing import Sensing
 from shoecal_ros.inputs.joining import Joined
 from shoecal_ros.inputs.joints import JointBatch
 
-FloatArray = NDArray[np.float64]
 UNREST_N = 1.0
 """Where the force on the floor varies by more, something touches the robot."""
 

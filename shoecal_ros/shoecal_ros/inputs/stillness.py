@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections import deque
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
-
+from shoecal_core.arrays import FloatArray
 
 SAMPLES = 2000
 """Samples closer together than the while over so many add nothing."""

@@ -11,13 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import Shoe
 
-FloatArray = NDArray[np.float64]
 Rgba = tuple[float, float, float, float]
 
 ROUND = 20

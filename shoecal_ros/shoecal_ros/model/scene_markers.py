@@ -28,12 +28,11 @@ from scipy.spatial.transform import Rotation
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_ros.common.conversions import header_to_ros
 from shoecal_ros.model.body_shapes import CELL, Joints, LinkShape, Rgba, body_shapes, joints_at
-
-FloatArray = NDArray[np.float64]
 
 FORCE_HEIGHT = 0.75
 """Length of the arrow for the robot's weight, over the height of its CoM."""

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 import rclpy
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.settings import Settings, setting
 from shoecal_ros.adapters.action_controller import ActionController
-from shoecal_ros.adapters.adapter import Adapter, FloatArray
+from shoecal_ros.adapters.adapter import Adapter
 from shoecal_ros.adapters.controller import Controller
 from shoecal_ros.adapters.foreign import foreign
 from shoecal_ros.adapters.topic_controller import TopicController

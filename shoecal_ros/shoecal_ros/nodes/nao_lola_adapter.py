@@ -8,8 +8,8 @@ from typing import Any
 
 from sensor_msgs.msg import Temperature
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.settings import Settings, setting
-from shoecal_ros.adapters.adapter import FloatArray
 from shoecal_ros.adapters.foreign import foreign
 from shoecal_ros.adapters.lola import NUMBERS, numbered
 from shoecal_ros.adapters.streaming_adapter import StreamingAdapter, unheard

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.settings import Settings, setting
-from shoecal_ros.adapters.adapter import FloatArray
 from shoecal_ros.adapters.foreign import foreign
 from shoecal_ros.adapters.streaming_adapter import StreamingAdapter, unheard
 from shoecal_ros.common import qos

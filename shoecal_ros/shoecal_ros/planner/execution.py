@@ -8,9 +8,9 @@ from collections.abc import Callable
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 from shoecal_msgs.action import Plan
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import NameNotFoundError, ShoecalError
 from shoecal_core.planning.checking.findings import CheckFailedError
 from shoecal_core.planning.horizon.rolling import PlanningCanceledError, PlanningError, Progress
@@ -33,7 +33,6 @@ from shoecal_ros.planner.order import Mover, Order
 from shoecal_ros.planner.part import StreamedPart
 from shoecal_ros.planner.watch import MotionWatch
 
-FloatArray = NDArray[np.float64]
 R = TypeVar("R")
 
 ANSWER_S = 30.0

@@ -7,12 +7,11 @@ from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_ros.common.renewal import Renewal
 
-FloatArray = NDArray[np.float64]
 _MOVED, _SHARE = 2e-3, 0.2
 """rad, share of the planned way: a part that moved no joint farther brought no progress."""
 _LOOKS = 9

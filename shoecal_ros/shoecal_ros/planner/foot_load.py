@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.shoe.shoe import FEET
-
-FloatArray = NDArray[np.float64]
 
 DIRECTIONS = 72
 """In which the feet's outlines are compared: every 5 degrees."""

@@ -5,16 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.motion import Motion
 from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_ros.common.renewal import Renewal
 from shoecal_ros.inputs.joints import JointBatch
 from shoecal_ros.planner.following import Follower
 from shoecal_ros.planner.stop_reason import StopReason
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass

@@ -5,10 +5,10 @@ from __future__ import annotations
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 from rclpy.action.server import ServerGoalHandle
 from shoecal_msgs.action import Plan
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import NameNotFoundError
 from shoecal_core.planning.motion_catalogue import MOTION_KINDS, motion_kind
 from shoecal_core.robot.joint_trajectory import JointTrajectory
@@ -21,8 +21,6 @@ from shoecal_ros.planner import planning_work
 from shoecal_ros.planner.execution import CURE, Execution
 from shoecal_ros.planner.following import DeflectionCompensation
 from shoecal_ros.planner.order import Mover, Order
-
-FloatArray = NDArray[np.float64]
 
 IDLE_CHUNKS = 3
 """Streamed parts in a row that may bring no progress."""

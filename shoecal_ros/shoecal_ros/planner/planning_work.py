@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.horizon.rolling import PlanningError
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.motion_catalogue import PUT_DOWN, motion_kind
@@ -20,8 +20,6 @@ from shoecal_core.planning.swing import stance_foot
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.common.worker import Link
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

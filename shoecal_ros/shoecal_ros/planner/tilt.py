@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.kinematics import BodyStates
-
-FloatArray = NDArray[np.float64]
 
 MISPLACED = 0.5
 """rad; a sensor that disagrees with a standing robot's posture by more has other axes."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from shoecal_msgs.action import Plan
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.motion import Motion, Phase
 from shoecal_core.planning.support_phase import SupportPhase
 from shoecal_core.robot.kinematics import Kinematics
@@ -20,8 +20,6 @@ from shoecal_ros.planner.settings import MovingSettings
 from shoecal_ros.planner.silence import Silence
 from shoecal_ros.planner.stop_reason import StopReason
 from shoecal_ros.planner.tilt import Tilt, upward
-
-FloatArray = NDArray[np.float64]
 
 COOL = "let its motors cool down, the robot sitting or held"
 

@@ -4,16 +4,12 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
+from shoecal_core.arrays import FloatArray
 from shoecal_ros.common.codes import Code
 from shoecal_ros.common.health import Condition, Level
 from shoecal_ros.planner import heat
 from shoecal_ros.planner.silence import silent
 from shoecal_ros.planner.watch import Senses
-
-FloatArray = NDArray[np.float64]
 
 
 def watched(senses: Senses, joint_angles: FloatArray | None) -> dict[str, Condition]:

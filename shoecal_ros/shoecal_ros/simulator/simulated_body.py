@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.simulation.converter import ConvertedReadings
 from shoecal_core.simulation.floor import FloorTruth
 from shoecal_core.simulation.joint_sensors import JointReadings
 from shoecal_core.simulation.robot import SimulatedRobot
 from shoecal_core.simulation.snapshot import stack
 
-FloatArray = NDArray[np.float64]
 SECOND_NS = 1_000_000_000
 
 START_NS = SECOND_NS

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.robot import robots
 from core.shoe import shoes
@@ -20,7 +19,6 @@ from shoecal_core.samples.momentum import base_in_stance
 from shoecal_core.shoe.shoe import load_shoe
 from shoecal_core.shoe.wrench import at_cop
 
-FloatArray = NDArray[np.float64]
 STEP_NS = 20_000_000
 PHASES = ((0.5, 0.5), (1.0, 0.0), (0.5, 0.5), (0.0, 1.0))
 """Shares of the weight."""

@@ -12,15 +12,14 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
-from numpy.typing import NDArray
 
 from core.cli.conftest import Run as Command
+from shoecal_core.arrays import FloatArray
 from shoecal_core.files import read_yaml
 from shoecal_core.recording import messages, schemas
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import Session
 
-FloatArray = NDArray[np.float64]
 TRAIN = ("--train", "1,2,3", "--test", "4")
 
 

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.cli.conftest import WREN, WREN_SHOE, Run
 from shoecal_core import cli
+from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.estimation.joint import known_zeros
 from shoecal_core.estimation.session_data import load_data
@@ -23,7 +23,6 @@ from shoecal_core.samples.zeros import Zero
 from shoecal_core.shoe.wrench import ChannelParameters, foot_wrenches
 from shoecal_core.workflows.calibrate import calibrate_session
 
-FloatArray = NDArray[np.float64]
 NOISE_MV = 2e-3
 
 

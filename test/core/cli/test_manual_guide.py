@@ -11,11 +11,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.cli.conftest import Run
 from core.cli.terminal import Terminal
 from core.shoe import mutations, shoes
+from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.calibration import load_calibration
 from shoecal_core.manual.loads import CELLS, SHOE, Load, planned_loads
 from shoecal_core.manual.measurements_file import load_measurements
@@ -26,7 +26,6 @@ from shoecal_core.simulation.rig import LoadingRig
 from shoecal_core.simulation.sampled_robot import draw_shoes
 from shoecal_core.workflows.simulated_manual import rig_readings
 
-FloatArray = NDArray[np.float64]
 CONFIG = shoes.ROOT / "config"
 REALITY = load_reality(CONFIG / "realities" / "default.yaml")
 SAMPLES = 10

@@ -10,16 +10,14 @@ from functools import cache
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.planning.motions import planner_of
 from core.simulation.worlds import DEFAULT, load_world
+from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.checking.body_track import track
 from shoecal_core.planning.motion import Motion
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.workflows.simulated_walk import take
-
-FloatArray = NDArray[np.float64]
 
 WIDE = {
     "nao": DoubleSupport(0.04, -0.136, 0.312),

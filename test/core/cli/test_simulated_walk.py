@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
-from numpy.typing import NDArray
 
 from core.cli.conftest import Run
 from core.planning.motions import planner_of
 from core.simulation.worlds import DEFAULT, load_world
+from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.motion_catalogue import PUT_DOWN
 from shoecal_core.planning.planner import StartError
@@ -25,8 +25,6 @@ from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.simulation.robot import SimulatedRobot
 from shoecal_core.workflows.simulated_walk import take, walk
-
-FloatArray = NDArray[np.float64]
 
 START = DoubleSupport(0.0, -0.12, 0.0)
 GOALS = (

@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import idct
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.diagnosis.hypotheses import Hypothesis
 from shoecal_core.diagnosis.scoring import Part, Scorer
 from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.error_sources.whitening import WhitenedProducts, make_sums
 
-FloatArray = NDArray[np.float64]
 MADE = 0.3
 """Times the tolerances that a drawn robot is as built."""
 

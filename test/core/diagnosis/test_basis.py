@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from numpy.typing import NDArray
 
 from core.diagnosis.test_scoring import (
     BASE,
@@ -19,11 +18,11 @@ from core.diagnosis.test_scoring import (
     possible,
     rows,
 )
+from shoecal_core.arrays import FloatArray
 from shoecal_core.diagnosis.basis import make_basis
 from shoecal_core.diagnosis.rows import Rows
 from shoecal_core.diagnosis.scoring import Scorer
 
-FloatArray = NDArray[np.float64]
 ALIKE = 80
 
 

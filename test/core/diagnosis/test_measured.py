@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.diagnosis.test_six_axis import with_ankles
 from shoecal_core.diagnosis.measured import MeasuredBefore, at_zeros, measure
@@ -20,7 +19,6 @@ from shoecal_core.samples.zeros import Zero
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 
-FloatArray = NDArray[np.float64]
 SETTINGS = DiagnosisSettings(rate_hz=2.0)
 TRAIN, TEST = (1, 2, 3, 4, 5, 6), (7, 8)
 SAMPLES = 40

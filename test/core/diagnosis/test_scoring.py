@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.stats import multivariate_normal
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.diagnosis.hypotheses import Form, Hypothesis
 from shoecal_core.diagnosis.rows import Rows
 from shoecal_core.diagnosis.scoring import (
@@ -26,7 +26,6 @@ from shoecal_core.error_sources.effects.contact import FloorTilt
 from shoecal_core.error_sources.signals import CLOSURE, PARITY
 from shoecal_core.error_sources.spectrum import BANDS
 
-FloatArray = NDArray[np.float64]
 ROWS, BASE, BUILT, MORE = 1200, 4, 6, 4
 STD = np.array([0.5, 2.0])
 CLOSURES = CLOSURE.start * BANDS + np.arange(3)

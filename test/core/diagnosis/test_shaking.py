@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from core.error_sources.altered import FloatArray, with_forces
+from core.error_sources.altered import with_forces
+from shoecal_core.arrays import FloatArray
 from shoecal_core.diagnosis.shaking import shaking
 from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.error_sources.signal_model import SignalModel

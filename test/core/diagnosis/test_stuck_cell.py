@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.diagnosis.rewritten import rewritten
+from shoecal_core.arrays import FloatArray
 from shoecal_core.diagnosis.diagnose import Wanted, diagnose
 from shoecal_core.diagnosis.stuck_cell import stuck_cell
 from shoecal_core.diagnosis.workspace import Workspace
@@ -18,7 +18,6 @@ from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import Session
 from shoecal_core.samples.samples import Samples
 
-FloatArray = NDArray[np.float64]
 STUCK = (StuckCell(),)
 
 

@@ -7,16 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.robot.kinematics import BodyStates
 from shoecal_core.robot.robot import Robot
 from shoecal_core.samples.samples import Samples, Track
 from shoecal_core.shoe.wrench import at_cop
 
-FloatArray = NDArray[np.float64]
 Work = Callable[[Track, FloatArray], FloatArray]
 """From a run and something of it (F, k) to what it is with the effect."""
 

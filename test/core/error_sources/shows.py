@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.base import Effect, Shape
 from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.signals import SIGNALS
 
-FloatArray = NDArray[np.float64]
 ALIKE = (
     (0,), (1, 2), (3,), (4, 5), (6, 7, 8), (9, 10, 11), (12,), (13,), (14, 15),
 )  # fmt: skip

@@ -7,12 +7,12 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.error_sources import world
 from core.error_sources.altered import shifted
 from core.error_sources.shows import ALIKE, LEAST
 from core.estimation import synthetic
+from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.as_built import as_built, plates_column
 from shoecal_core.error_sources.base import ALL
 from shoecal_core.error_sources.deviation import Deviation
@@ -24,7 +24,6 @@ from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 
-FloatArray = NDArray[np.float64]
 SEEDS = (1, 2, 3)
 SIZES = {
     "link_mass": 0.05, "link_com": 2e-3, "joint_offset": 5e-4, "joint_compliance": 2e-4,

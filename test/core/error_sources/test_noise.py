@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.error_sources.altered import bearing, with_readings
+from shoecal_core.arrays import FloatArray
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.workspace import Workspace, make_workspace
 from shoecal_core.error_sources.effects.known import EFFECTS
@@ -14,7 +14,6 @@ from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.samples.samples import Track
 
-FloatArray = NDArray[np.float64]
 SETTINGS = DiagnosisSettings()
 
 

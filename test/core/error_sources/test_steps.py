@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.steps import EDGE, ONSETS, step_of, step_times
-
-FloatArray = NDArray[np.float64]
 
 TIME = np.arange(0.0, 30.0, 0.2)
 

@@ -18,6 +18,7 @@ from scipy.sparse import csr_matrix
 from core.error_sources.altered import body_states
 from core.robot import robots
 from core.shoe import shoes
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.kinematics import BodyStates
 from shoecal_core.robot.robot import Robot
@@ -25,8 +26,6 @@ from shoecal_core.samples.samples import Samples, Track
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters, at_cop, to_left, weight_below
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 RATE_HZ = 4.0
 STANDS = {"both": (True, True), "left": (True, False), "right": (False, True)}
 LIFTED_M = 0.02

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.error_sources import world
 from core.error_sources.altered import shifted
 from core.estimation import synthetic
+from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.as_built import of_body, of_shoes
 from shoecal_core.error_sources.base import ALL
 from shoecal_core.error_sources.deviation import Deviation
@@ -22,7 +22,6 @@ from shoecal_core.estimation.joint_fit import RATE_HZ, JointFit, fit_jointly
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.wrench import ChannelParameters
 
-FloatArray = NDArray[np.float64]
 TOLERANCES = Tolerances(sole_compliance_rad_per_nm=0.0)
 """The forward model's soles are stiff."""
 SETTINGS = SignalSettings(rate_hz=RATE_HZ)

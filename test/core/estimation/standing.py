@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.estimation import synthetic
+from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.estimation.standstill import ModelTolerance
 from shoecal_core.robot.double_support import DoubleSupport
@@ -16,7 +16,6 @@ from shoecal_core.shoe.correction import CopCorrection
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters, at_cop, weight_below
 
-FloatArray = NDArray[np.float64]
 WEIGHT = 54.0
 HEIGHT = 0.25
 LIFT = 0.03

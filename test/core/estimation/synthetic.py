@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.samples.stance import Stance, make_stance
 from shoecal_core.screening.settings import CalibrationSettings
@@ -21,8 +22,6 @@ from shoecal_core.shoe.wrench import (
     foot_wrenches,
     weight_below,
 )
-
-FloatArray = NDArray[np.float64]
 
 SUPPORTS = (
     DoubleSupport(0.00, -0.10, 0.0),

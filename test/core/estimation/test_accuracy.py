@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.robot import robots
+from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.accuracy import (
     COP_FAIL,
     COP_WARN,
@@ -21,7 +21,6 @@ from shoecal_core.estimation.accuracy import (
 from shoecal_core.estimation.metrics import Mae
 from shoecal_core.estimation.series import Errors, Series
 
-FloatArray = NDArray[np.float64]
 ROBOT = robots.load("nao")
 WIDTH = min(foot.half_width for foot in ROBOT.feet)
 NONE = Mae(float("nan"), float("nan"), 0)

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.estimation.standing import BOTH, TOLERANCE, WEIGHT, calibration, stand
+from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.agreement import (
     CONTRADICTION_SHARE,
     DOUBT_SHARE,
@@ -22,7 +22,6 @@ from shoecal_core.shoe.shoe import load_shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 from shoecal_core.workspace import config_dir
 
-FloatArray = NDArray[np.float64]
 SHOE = load_shoe(config_dir() / "shoes" / "nao_shoe.yaml")
 ROBOT = replace(load_robot(config_dir() / "robots" / "nao.yaml", SHOE), mass=WEIGHT / GRAVITY)
 COUNT = len(SHOE.names)

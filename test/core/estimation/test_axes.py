@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.estimation.walks import ANKLES, walk
 from shoecal_core.estimation.axes import check_axes, sideways_axes
 
-FloatArray = NDArray[np.float64]
 GAIN = np.ones(10)
 
 

@@ -12,10 +12,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from numpy.typing import NDArray
 
 from core.shoe import mutations, shoes
 from core.shoe.mutations import DELETE, Key
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import FileError, ShapeError, ShoecalError, VersionError
 from shoecal_core.estimation.calibration import (
     Calibration,
@@ -28,7 +28,6 @@ from shoecal_core.shoe.correction import CopCorrection
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 
-FloatArray = NDArray[np.float64]
 finite = st.floats(allow_nan=False, allow_infinity=False)
 nonzero = finite.filter(bool)
 

@@ -6,7 +6,6 @@ import dataclasses
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.estimation import synthetic
 from core.planning.bodies import load_body
@@ -31,7 +30,6 @@ from shoecal_core.screening.verdict import Finding, judge, list_reasons, split_r
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 
-FloatArray = NDArray[np.float64]
 SETTINGS = CalibrationSettings()
 
 

@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.estimation import synthetic
 from core.shoe import shoes
+from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation import chunks
 from shoecal_core.estimation.correction_equations import CorrectionEquations
 from shoecal_core.samples.stance import Stance
@@ -18,7 +18,6 @@ from shoecal_core.shoe.sensing import Sensing
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 
-FloatArray = NDArray[np.float64]
 TIME_OFFSET = 0.013
 SUPPORTS = synthetic.SUPPORTS[:2]
 

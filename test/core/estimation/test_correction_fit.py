@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.estimation import synthetic
 from core.shoe import shoes
+from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation import correction_fit as module
 from shoecal_core.estimation.correction_fit import fit_corrections
 from shoecal_core.samples.stance import Stance
@@ -20,7 +20,6 @@ from shoecal_core.shoe.sensing import Sensing
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 
-FloatArray = NDArray[np.float64]
 Feet = tuple[float, float]
 CORRECTED = CalibrationSettings(correction_std_m=1e-3)
 FREE = CalibrationSettings(cop_std_m=1e-7, correction_std_m=1.0)

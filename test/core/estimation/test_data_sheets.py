@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.robot import robots
 from core.shoe import shoes
+from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.data_sheets import (
     check_conflict,
     check_data_sheets,
@@ -19,7 +19,6 @@ from shoecal_core.estimation.data_sheets import (
 )
 from shoecal_core.shoe.wrench import ChannelParameters
 
-FloatArray = NDArray[np.float64]
 SHOE = shoes.made([*shoes.six_axis(0, [0, 0, 0.05]), *shoes.six_axis(1, [0, 0, 0.05])])
 COUNT = len(SHOE.names)
 STD = 0.05

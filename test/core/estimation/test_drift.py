@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from numpy.typing import NDArray
 
 from core.estimation import synthetic
 from core.estimation.standing import (
@@ -19,13 +18,13 @@ from core.estimation.standing import (
     stand,
 )
 from core.shoe import shoes
+from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.calibration import WrongShoeError
 from shoecal_core.estimation.drift import UnloadedError, check_drift, shares_model
 from shoecal_core.estimation.standstill import ModelTolerance
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 
-FloatArray = NDArray[np.float64]
 FINE = ModelTolerance(force=1e-6, cop=1e-9)
 
 

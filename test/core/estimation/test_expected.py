@@ -6,17 +6,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.error_sources.altered import body_states
 from core.estimation.drawn import TOLERANCES, Drawn
+from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.body import closure, driven_together
 from shoecal_core.estimation.expected import ErrorModel, Spread
 from shoecal_core.estimation.support_error import support_covariance
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.shoe.wrench import ChannelParameters, combined, cop, foot_wrenches
 
-FloatArray = NDArray[np.float64]
 SMALL = 0.05
 """Of the covariance's root: within it measured GRF and CoP are linear."""
 DRAWS = 1500

@@ -8,10 +8,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.estimation import synthetic
 from core.shoe import shoes
+from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation import fit as module
 from shoecal_core.estimation.fit import fit_parameters, prior_of, self_calibrate
 from shoecal_core.estimation.initial_guess import InitialGuess, initial_guess
@@ -32,7 +32,6 @@ from shoecal_core.shoe.wrench import (
     weight_below,
 )
 
-FloatArray = NDArray[np.float64]
 EXACT = synthetic.EXACT
 SEEN = {"nao_shoe": 14, "odd_shoe": 15, "wren_shoe": 12}
 """Directions of gains and offsets that GRF and CoP can ever tell."""

@@ -7,15 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.estimation.drawn import SETTINGS, TOLERANCES, Drawn, drawn
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.joint_fit import SETTLED, fit_jointly
 from shoecal_core.samples.samples import Samples
 from shoecal_core.shoe.wrench import cop, foot_wrenches
 
-FloatArray = NDArray[np.float64]
 NORMAL_95 = 1.96
 SEEDS = (2, 3, 4, 5)
 

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.as_built import plates_column
 from shoecal_core.error_sources.deviation import Deviation
 from shoecal_core.estimation.known import KnownShoe, Since
@@ -18,7 +18,6 @@ from shoecal_core.shoe.shoe import FEET, Shoe, load_shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 from shoecal_core.workspace import config_dir
 
-FloatArray = NDArray[np.float64]
 WEIGHT = 53.0
 RANGE = np.array([[-0.02, -0.01], [0.06, 0.02]])
 

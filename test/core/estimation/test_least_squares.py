@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.least_squares import Prior, Rows, minimise
-
-FloatArray = NDArray[np.float64]
 
 
 def linear(matrix: FloatArray, target: FloatArray) -> Rows:

@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.estimation import synthetic
 from core.estimation.derivatives import assert_jacobian
 from core.shoe import shoes
+from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.residuals import (
     ResidualWeights,
     hanging_residuals,
@@ -26,7 +26,6 @@ from shoecal_core.shoe.sensing import Sensing
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters, at_cop, columns_in_left, cop
 
-FloatArray = NDArray[np.float64]
 WEIGHTS = ResidualWeights(force=0.3, cop=0.0025, correlation=2.0)
 SUPPORT = synthetic.SUPPORTS[1]
 

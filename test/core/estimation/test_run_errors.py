@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from shoecal_core.estimation.run_errors import (
     ComparedRun,
@@ -12,8 +11,6 @@ from shoecal_core.estimation.run_errors import (
     errors_of,
 )
 from shoecal_core.estimation.series import Series
-
-FloatArray = NDArray[np.float64]
 
 
 def series(grf: float, count: int, cop: float = 0.0) -> Series:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.estimation import synthetic
+from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.series import (
     Series,
     errors,
@@ -19,8 +19,6 @@ from shoecal_core.samples.stance import Stance
 from shoecal_core.shoe.sensing import Sensing
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
-
-FloatArray = NDArray[np.float64]
 
 
 @pytest.fixture

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.estimation.derivatives import assert_jacobian
 from core.estimation.standing import (
@@ -17,6 +16,7 @@ from core.estimation.standing import (
     spread,
     stand,
 )
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError
 from shoecal_core.estimation.standstill import (
     ModelTolerance,
@@ -31,7 +31,6 @@ from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 from shoecal_core.workspace import config_dir
 
-FloatArray = NDArray[np.float64]
 STANCES = [BOTH, (WEIGHT, 0.0), (0.0, WEIGHT), (0.0, 0.0)]
 
 

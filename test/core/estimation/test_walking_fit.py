@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.estimation.walks import ANKLES, WEIGHT, walk
+from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.fit import SelfCalibration, self_calibrate
 from shoecal_core.estimation.walking_fit import (
     at_common_zeros,
@@ -19,7 +19,6 @@ from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.shoe.sensing import Sensing
 from shoecal_core.shoe.wrench import ChannelParameters
 
-FloatArray = NDArray[np.float64]
 SETTINGS = CalibrationSettings(
     force_std_n=15.0, cop_std_m=0.01, correlation_s=0.5, offset_std_n=100.0
 )

@@ -6,15 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.shoe import shoes
+from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.weight import weigh
 from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.samples.zeros import Zero, zeros_of_run
 from shoecal_core.shoe.shoe import load_shoe
 
-FloatArray = NDArray[np.float64]
 ANKLES = load_shoe(shoes.ROOT / "config/shoes/reemc.yaml")
 KG = 77.7
 TIME = np.arange(0.0, 24.0, 0.02)

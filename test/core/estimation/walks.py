@@ -6,16 +6,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.shoe import shoes
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.samples.stance import Stance, make_stance
 from shoecal_core.samples.zeros import Zero
 from shoecal_core.shoe.shoe import load_shoe
 
-FloatArray = NDArray[np.float64]
 ANKLES = load_shoe(shoes.ROOT / "config/shoes/reemc.yaml")
 HEIGHT = 0.12
 WEIGHT = 70.0 * GRAVITY

@@ -8,9 +8,9 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.shoe import mutations, shoes
+from shoecal_core.arrays import FloatArray
 from shoecal_core.manual.loads import CELLS, SHOE, Load, planned_loads
 from shoecal_core.manual.measurements import LoadReading, Measurements
 from shoecal_core.manual.settings import ManualSettings
@@ -21,7 +21,6 @@ from shoecal_core.shoe.shoe import FEET, Shoe, load_shoe
 from shoecal_core.shoe.wrench import ChannelParameters, weight_below
 from shoecal_core.simulation.reality_file import load_reality
 
-FloatArray = NDArray[np.float64]
 ROOT = Path(__file__).parents[3]
 REALITIES = ROOT / "config" / "realities"
 DEFAULT = load_reality(REALITIES / "default.yaml")

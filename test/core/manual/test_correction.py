@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from core.manual.benches import nao_shoe, read_shoe, some_law
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.manual.correction import fit_correction
 from shoecal_core.manual.loads import SHOE
@@ -16,7 +16,6 @@ from shoecal_core.manual.measurements import Measurements
 from shoecal_core.manual.shoe_loads import ShoeLoads, loaded
 from shoecal_core.shoe.correction import CopCorrection
 
-FloatArray = NDArray[np.float64]
 WEIGHTS = (1.0, 2.0, 3.0, 4.0)
 
 

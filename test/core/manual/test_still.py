@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from core.manual.benches import SETTINGS, nao_shoe
+from shoecal_core.arrays import FloatArray
 from shoecal_core.manual.loads import Load
 from shoecal_core.manual.still import Last, StillReading, StillState
 
-FloatArray = NDArray[np.float64]
 HOLE = Load(0, "a1", 2.0)
 CELL = Load(0, "left/front_right", 2.0)
 LIMIT = SETTINGS.still_fraction * 10.0

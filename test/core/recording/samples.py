@@ -9,12 +9,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.recording import messages, schemas
 from shoecal_core.recording.info import RunInfo
 from shoecal_core.recording.writer import RunWriter
 from shoecal_core.robot.double_support import DoubleSupport
-
-FloatArray = NDArray[np.float64]
 
 START_NS = 1_700_000_000_123_456_789
 STEP_NS = 10_000_000

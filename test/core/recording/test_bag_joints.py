@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from rosbags.typesys import get_types_from_msg
 
 from core.recording import bags
 from core.shoe.shoes import ROOT
+from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.files import read_yaml, write_yaml
 from shoecal_core.recording import schemas
@@ -24,7 +24,6 @@ from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.shoe.shoe import load_shoe
 from shoecal_core.workflows.check import check_session
 
-FloatArray = NDArray[np.float64]
 ROBOT, SHOE = ROOT / "config/robots/nao.yaml", ROOT / "config/shoes/nao_shoe.yaml"
 RATE, SECONDS, FULL_V = 50.0, 12.0, 0.4
 COUNT = int(RATE * SECONDS)

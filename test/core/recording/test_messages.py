@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
-from numpy.typing import NDArray
 from rosbags.typesys.stores import ros2_jazzy as ros
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError, ShoecalError
 from shoecal_core.recording import messages, schemas
 from shoecal_core.recording.messages import series
@@ -76,7 +76,6 @@ def test_stamps_that_ros_cannot_hold_are_refused(stamp: int) -> None:
         messages.temperature(stamp, "", 20.0)
 
 
-FloatArray = NDArray[np.float64]
 NAMES = ("left_knee", "r", "head")
 stamps_of = st.lists(st.integers(0, 2**31 * 10**9 - 1), max_size=5).map(
     lambda found: np.array(found, dtype=np.int64)

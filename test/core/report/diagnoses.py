@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from core.estimation import synthetic
 from core.shoe import shoes
+from shoecal_core.arrays import FloatArray
 from shoecal_core.diagnosis.result import (
     Action,
     BudgetShare,
@@ -32,8 +33,6 @@ from shoecal_core.shoe.wrench import (
     cop,
     foot_wrenches,
 )
-
-FloatArray = NDArray[np.float64]
 
 CELL = "left/front_left"
 QUADRATIC = 2e-2

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.estimation import synthetic
 from core.robot import robots
 from core.shoe import shoes
+from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.estimation.assessment import Assessment
 from shoecal_core.estimation.calibration import Calibration
@@ -30,8 +30,6 @@ from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.shoe.sensing import Sensing
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
-
-FloatArray = NDArray[np.float64]
 
 TRAIN = (1, 3, 4)
 

@@ -5,19 +5,17 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.estimation import synthetic
 from core.robot import robots
 from core.shoe import shoes
+from shoecal_core.arrays import FloatArray
 from shoecal_core.recording import messages, schemas
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.kinematics import BodyStates
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import at_cop, columns_in_left, combined, weight_below
-
-FloatArray = NDArray[np.float64]
 
 START_NS = 10**9
 STEP_NS = 100_000_000

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from core.report.pages import read_svg
 from core.robot import robots
@@ -16,8 +15,6 @@ from shoecal_core.planning.supports.polygon_error import places_over
 from shoecal_core.report.figures.error_map import ErrorMap, common_levels, error_map
 from shoecal_core.report.figures.feet import foot_shape
 from shoecal_core.report.palette import SIZES
-
-FloatArray = NDArray[np.float64]
 
 
 def map_of(low: float, high: float) -> ErrorMap:

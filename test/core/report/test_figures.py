@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.report import samples
 from core.report.pages import read_svg
 from core.robot import robots
 from core.shoe import shoes
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError
 from shoecal_core.estimation.metrics import Mae
 from shoecal_core.estimation.series import Series
@@ -34,8 +34,6 @@ from shoecal_core.report.figures.series import (
     errors_in_time,
     joined,
 )
-
-FloatArray = NDArray[np.float64]
 
 
 def series(count: int = 200, *, start: float = 0.0, gap: slice = slice(0, 0)) -> Series:

@@ -8,7 +8,6 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.report import plans
 from core.report.pages import read_svg
@@ -21,8 +20,6 @@ from shoecal_core.report.figures.strips import Strip, strips
 from shoecal_core.report.figures.support_plan import support_plan, swing
 from shoecal_core.report.plan_content import PlannedMotion
 from shoecal_core.report.plan_figures import angles, motion_pictures, torques
-
-FloatArray = NDArray[np.float64]
 
 MOTIONS = {"reaching": plans.reaching, "missing": plans.missing, "stepping": plans.stepping}
 

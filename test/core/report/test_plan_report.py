@@ -14,10 +14,10 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.report import plans
 from core.report.pages import Document, read
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import FileError
 from shoecal_core.planning.checking.findings import Report
 from shoecal_core.report.html import render
@@ -27,8 +27,6 @@ from shoecal_core.report.plan_figures import motion_pictures, moved
 from shoecal_core.report.plan_report import Unplanned, plan_page, verdict, write_plan
 from shoecal_core.report.player import Player, PlayerPoints
 from shoecal_core.robot.double_support import DoubleSupport
-
-FloatArray = NDArray[np.float64]
 
 HOSTILE = "<script>alert(1)</script>\"'&amp;"
 SVG = "{http://www.w3.org/2000/svg}"

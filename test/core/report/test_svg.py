@@ -3,13 +3,10 @@ from __future__ import annotations
 import matplotlib as mpl
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.report.pages import read_svg
 from shoecal_core.report import palette
 from shoecal_core.report.svg import canvas, draw_line, line_key, readable
-
-FloatArray = NDArray[np.float64]
 
 
 def figure(label: str = "a", points: int = 50) -> str:

@@ -6,14 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.shoe import shoes
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.samples.contact import find_contact
 from shoecal_core.shoe.shoe import load_shoe
 
-FloatArray = NDArray[np.float64]
 CELLS, ANKLES = shoes.shoe("nao_shoe"), load_shoe(shoes.ROOT / "config/shoes/reemc.yaml")
 """Without and with data sheets."""
 WEIGHT = 673.0

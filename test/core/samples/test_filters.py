@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.samples.filters import evenly, low_passed, play, relay, resampled, rise, slope
 
-FloatArray = NDArray[np.float64]
 TIME = np.arange(0.0, 20.0, 0.02)
 
 

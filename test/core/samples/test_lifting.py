@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.screening.recordings import SETTINGS, WEIGHT, Recording, recording
+from shoecal_core.arrays import FloatArray
 from shoecal_core.recording.run import Run
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot_file import load_robot
@@ -30,7 +30,6 @@ from shoecal_core.screening.screen import screen
 from shoecal_core.shoe.wrench import at_cop, weight_below
 from shoecal_core.workspace import config_dir
 
-FloatArray = NDArray[np.float64]
 RUN = 2
 UP, DOWN, WAY_S, HEIGHT = 12.0, 17.0, 0.4, 0.01
 MOTIONS = sorted(UNLOADING)

@@ -5,14 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 import pytest
-from numpy.typing import NDArray
 
 from core.robot import robots
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot import GRAVITY, Robot
 from shoecal_core.samples.momentum import angular_momentum, base_in_stance, standing_spin
 
-FloatArray = NDArray[np.float64]
 TIME = np.arange(0.0, 2.0, 0.01)
 
 

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.estimation import synthetic
 from shoecal_core.errors import ShapeError, ShoecalError
@@ -14,7 +13,6 @@ from shoecal_core.samples.stance import Stance, make_stance
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters, combined, foot_wrenches, weight_below
 
-FloatArray = NDArray[np.float64]
 SUPPORT = synthetic.SUPPORTS[1]
 
 

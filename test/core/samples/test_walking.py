@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 import pytest
-from numpy.typing import NDArray
 
 from core.robot import robots
 from core.shoe import shoes
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.recording.run import PoseSamples
 from shoecal_core.robot.robot import GRAVITY
@@ -24,7 +24,6 @@ from shoecal_core.samples.walking import (
     walking_stances,
 )
 
-FloatArray = NDArray[np.float64]
 SHOE = shoes.shoe("nao_shoe")
 ROBOT = replace(robots.kinematics("nao").robot, mass=5.5)
 MASS = ROBOT.mass

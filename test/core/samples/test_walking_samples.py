@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from core.robot import robots
+from shoecal_core.arrays import FloatArray
 from shoecal_core.recording.run import PoseSamples
 from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.walking import in_world
 from shoecal_core.samples.walking_samples import pieces, spin
 
-FloatArray = NDArray[np.float64]
 TIME = np.arange(0.0, 2.0, 0.01)
 
 

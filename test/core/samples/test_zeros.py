@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.shoe import shoes
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.samples.zeros import (
     EDGE_S,
@@ -18,7 +18,6 @@ from shoecal_core.samples.zeros import (
 from shoecal_core.shoe.shoe import load_shoe
 from shoecal_core.shoe.wrench import ChannelParameters, foot_wrenches
 
-FloatArray = NDArray[np.float64]
 CELLS, ANKLES = shoes.shoe("nao_shoe"), load_shoe(shoes.ROOT / "config/shoes/reemc.yaml")
 TIME = np.arange(0.0, 20.0, 0.02)
 SWING = (TIME % 2.0 > 1.0) & (TIME % 2.0 < 1.6)

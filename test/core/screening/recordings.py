@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.estimation import synthetic
 from core.shoe import shoes
+from shoecal_core.arrays import FloatArray
 from shoecal_core.recording.info import RunInfo
 from shoecal_core.recording.run import JointSamples, Readings, Run
 from shoecal_core.robot.double_support import DoubleSupport
@@ -19,8 +19,6 @@ from shoecal_core.samples.aligned import Aligned
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters, at_cop, combined, cop, weight_below
-
-FloatArray = NDArray[np.float64]
 
 SETTINGS = CalibrationSettings()
 WEIGHT = 54.0

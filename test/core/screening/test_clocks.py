@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.screening.recordings import SETTINGS, WEIGHT, Recording, recording
+from shoecal_core.arrays import FloatArray
 from shoecal_core.screening.clocks import LARGEST_S, time_offset
-
-FloatArray = NDArray[np.float64]
 
 
 def late(whole: Recording, by: float) -> Recording:

@@ -7,14 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.screening.recordings import Recording, recording, turned
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.lifting import lifted
 from shoecal_core.screening.closure import Slipped, feet, slips
-
-FloatArray = NDArray[np.float64]
 
 
 def stepped(

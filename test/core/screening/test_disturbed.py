@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.screening.recordings import SETTINGS
+from shoecal_core.arrays import FloatArray
 from shoecal_core.screening.disturbed import disturbed
 
-FloatArray = NDArray[np.float64]
 TIME = np.arange(3000) / 100.0
 
 

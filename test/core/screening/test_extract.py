@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from core.robot import robots
 from core.shoe import shoes
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import FileError
 from shoecal_core.recording.info import RunInfo
 from shoecal_core.recording.run import JointSamples, PoseSamples, Readings, Run
@@ -20,7 +21,6 @@ from shoecal_core.samples.aligned import MIN_SAMPLES, align
 from shoecal_core.samples.stance import Stance
 from shoecal_core.screening.extract import MAX_FOOT_DRIFT_M, stances_of
 
-FloatArray = NDArray[np.float64]
 SHOE = shoes.shoe("odd_shoe")
 KINEMATICS = robots.kinematics("odd_biped")
 ROBOT = KINEMATICS.robot

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.shoe import shoes
+from shoecal_core.arrays import FloatArray
 from shoecal_core.screening.following import StuckBlocks, all_stuck, neighbours
-
-FloatArray = NDArray[np.float64]
 
 BLOCKS = 1200
 NOISE = 1e-3

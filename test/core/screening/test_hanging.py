@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.screening.recordings import SETTINGS, WEIGHT, Recording, recording
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.samples.aligned import Aligned
@@ -18,7 +18,6 @@ from shoecal_core.screening.screen import screen
 from shoecal_core.shoe.wrench import weight_below
 from shoecal_core.workspace import config_dir
 
-FloatArray = NDArray[np.float64]
 RUN, UP, DOWN = 2, 9.0, 17.0
 
 

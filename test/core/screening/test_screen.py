@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.screening.recordings import (
     SETTINGS,
@@ -18,6 +17,7 @@ from core.screening.recordings import (
     recording,
     turned,
 )
+from shoecal_core.arrays import FloatArray
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.schemas import NO_DATA, SATURATED
 from shoecal_core.screening.faults import Fault
@@ -26,7 +26,6 @@ from shoecal_core.screening.result import Screening
 from shoecal_core.screening.screen import screen
 from shoecal_core.screening.wiring import WiringFaults, of_feet
 
-FloatArray = NDArray[np.float64]
 Spoil = Callable[[Recording, np.random.Generator], Recording]
 
 

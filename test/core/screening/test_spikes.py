@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.shoe import shoes
+from shoecal_core.arrays import FloatArray
 from shoecal_core.screening.noise import noise
 from shoecal_core.screening.spikes import Jumps, find_jumps
 
-FloatArray = NDArray[np.float64]
 SHOE = shoes.shoe("nao_shoe")
 TIME = np.arange(2000) / 100.0
 GAIN: FloatArray = np.asarray(12.0 * SHOE.polarity)

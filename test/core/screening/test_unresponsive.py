@@ -6,15 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.screening.recordings import Recording, read_coarsely, recording
+from shoecal_core.arrays import FloatArray
 from shoecal_core.screening.blocks import Blocks, blocks
 from shoecal_core.screening.following import StuckBlocks
 from shoecal_core.screening.saturated import ended
 from shoecal_core.screening.unresponsive import Stuck, dead, stuck, stuck_channels
-
-FloatArray = NDArray[np.float64]
 
 
 def parts(whole: Recording) -> dict[int, Blocks]:

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.screening.recordings import SETTINGS, WEIGHT, Recording, recording
 from shoecal_core.screening.blocks import blocks
 from shoecal_core.screening.rough_fit import equations, prior
 from shoecal_core.screening.weights import WrongWeight, wrong_weights
-
-FloatArray = NDArray[np.float64]
 
 
 def found(whole: Recording) -> list[WrongWeight]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.screening.recordings import HEIGHT, SETTINGS, WEIGHT, Recording, recording
 from core.screening.test_weights import carrying
@@ -12,8 +11,6 @@ from shoecal_core.screening.blocks import blocks
 from shoecal_core.screening.findings import of_zeros
 from shoecal_core.screening.rough_fit import equations, prior
 from shoecal_core.screening.zeros import MovedZeros, moved_zeros
-
-FloatArray = NDArray[np.float64]
 
 
 def found(whole: Recording) -> MovedZeros | None:

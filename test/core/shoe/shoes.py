@@ -7,7 +7,7 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from shoecal_core.shoe.shoe import (
     AXES,
@@ -20,7 +20,6 @@ from shoecal_core.shoe.shoe import (
     load_shoe,
 )
 
-FloatArray = NDArray[np.float64]
 ROOT = Path(__file__).parents[3]
 FILES = {
     "nao_shoe": ROOT / "config/shoes/nao_shoe.yaml",

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from numpy.typing import NDArray
 
 from core.shoe import shoes
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError, ShoecalError
 from shoecal_core.shoe.correction import (
     CopCorrection,
@@ -20,7 +20,6 @@ from shoecal_core.shoe.correction import (
 from shoecal_core.shoe.sensing import Sensing
 from shoecal_core.shoe.wrench import ChannelParameters
 
-FloatArray = NDArray[np.float64]
 ANYWHERE = np.array([[-1e9, -1e9], [1e9, 1e9]])
 
 

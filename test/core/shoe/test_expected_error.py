@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from core.shoe import shoes
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError, ShoecalError
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.shoe.expected_error import expected_error
@@ -18,7 +18,6 @@ from shoecal_core.shoe.sensing import Sensing
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 
-FloatArray = NDArray[np.float64]
 SUPPORT = DoubleSupport(0.03, -0.12, 0.3)
 
 

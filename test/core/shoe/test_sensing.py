@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from core.shoe import shoes
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError, ShoecalError
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.shoe.correction import CopCorrection, corrected_channels
@@ -19,7 +19,6 @@ from shoecal_core.shoe.sensing import MINIMUM_FORCE, Sensing
 from shoecal_core.shoe.shoe import Shoe, load_shoe
 from shoecal_core.shoe.wrench import ChannelParameters, at_cop, foot_wrenches, weight_below
 
-FloatArray = NDArray[np.float64]
 ROOT = Path(__file__).parents[3]
 SHOES = [
     load_shoe(ROOT / path)

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from core.shoe import shoes
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError, ShoecalError
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import GRAVITY
@@ -27,8 +28,6 @@ from shoecal_core.shoe.wrench import (
     to_left,
     weight_below,
 )
-
-FloatArray = NDArray[np.float64]
 
 coordinates = st.floats(-0.3, 0.3)
 points = st.tuples(coordinates, coordinates).map(np.array)

@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.simulation.floor import MIN_LOAD, floor_truth
 
-FloatArray = NDArray[np.float64]
 metres = st.floats(-0.3, 0.3)
 newtons = st.floats(1.0, 60.0)
 

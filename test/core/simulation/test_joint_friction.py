@@ -8,15 +8,14 @@ import itertools
 import mujoco
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.simulation.worlds import PERFECT, World, changed
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.simulation.joint_friction import BristleFriction, add_bristle
 from shoecal_core.simulation.robot import SimulatedRobot
 from shoecal_core.simulation.sampled_robot import draw
 
-FloatArray = NDArray[np.float64]
 STATIC, KINETIC, STRIBECK = 0.3, 0.1, 0.05
 COMPLIANCE = 0.005
 KNEE = "LKneePitch"

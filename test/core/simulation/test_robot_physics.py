@@ -7,9 +7,9 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 import pytest
-from numpy.typing import NDArray
 
 from core.simulation.worlds import DEFAULT, PERFECT, ROOT, World, changed, load_world
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import FileError, ShoecalError
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.shoe import wrench
@@ -18,7 +18,6 @@ from shoecal_core.simulation import robot_physics
 from shoecal_core.simulation.sampled_robot import draw
 from shoecal_core.simulation.shoe_physics import ChannelOutputs, SoleReader
 
-FloatArray = NDArray[np.float64]
 SIX_AXIS = """
 format: 1
 name: six_axis

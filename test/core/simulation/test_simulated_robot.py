@@ -4,9 +4,9 @@ import dataclasses
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.simulation.worlds import DEFAULT, PERFECT, World, changed
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError, ShoecalError
 from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.robot.robot import GRAVITY
@@ -17,8 +17,6 @@ from shoecal_core.simulation.faults import RobotFellError, SupportNotReachedErro
 from shoecal_core.simulation.reality import PlantVariation
 from shoecal_core.simulation.robot import SimulatedRobot
 from shoecal_core.simulation.samples import SimulatedSamples, run
-
-FloatArray = NDArray[np.float64]
 
 
 def com_in_left_sole(sim: SimulatedRobot) -> FloatArray:

@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from numpy.typing import NDArray
 
 from core.estimation import synthetic
 from core.estimation.standing import (
@@ -22,6 +21,7 @@ from core.estimation.standing import (
     stand,
 )
 from core.shoe import shoes
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError
 from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.estimation.standstill import compare
@@ -30,7 +30,6 @@ from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_core.shoe.wrench import ChannelParameters, foot_wrenches
 from shoecal_core.workflows.rezero import Rezeroed, RezeroError, rezero
 
-FloatArray = NDArray[np.float64]
 HOUR_NS = 3600 * 10**9
 STANCES = [BOTH, (WEIGHT, 0.0), (0.0, WEIGHT), (0.0, 0.0)]
 

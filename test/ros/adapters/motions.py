@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 from builtin_interfaces.msg import Time
-from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 
 from ros.adapters.conftest import Adapted
 from ros.bodies import nao
 from ros.world import Received
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_ros.common import qos
 
-FloatArray = NDArray[np.float64]
 KNEE = "LKneePitch"
 WAY = 0.1
 

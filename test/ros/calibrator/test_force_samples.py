@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from ros.bodies import ROOT, calibration, nao, nao_shoe
+from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.estimation.expected import ErrorModel
 from shoecal_core.planning.posture import stance
@@ -23,7 +23,6 @@ from shoecal_ros.calibrator.live import FootFlags, Live, LiveSensing, OutputFilt
 from shoecal_ros.calibrator.load import LoadSwitch
 from shoecal_ros.inputs.joining import Joined
 
-FloatArray = NDArray[np.float64]
 SUPPORT = DoubleSupport(0.02, -0.12, 0.2)
 SOLES = ("left/l_sole", "left/r_sole")
 FINE = FootFlags(loaded=True, valid=True, stale=False, extrapolating=False, status=())

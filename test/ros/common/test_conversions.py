@@ -9,7 +9,6 @@ from builtin_interfaces.msg import Duration
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from numpy.typing import NDArray
 from rclpy.serialization import deserialize_message, serialize_message
 from shoecal_msgs.msg import ShoeCalibration, ShoeVoltages
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
@@ -24,7 +23,6 @@ from shoecal_ros.common.conversions import JointSample, MessageError
 from shoecal_ros.common.origin import Origin
 from shoecal_ros.common.voltage_frame import VoltageFrame
 
-FloatArray = NDArray[np.float64]
 STAMPS = st.integers(0, 2**31 * 10**9 - 1)
 NUMBERS = st.floats(-1e6, 1e6)
 PLACES = st.floats(-FARTHEST_M, FARTHEST_M)

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from shoecal_msgs.msg import ShoeVoltages
 
 from ros.bodies import nao_shoe
@@ -14,7 +13,6 @@ from shoecal_ros.common.health import Level
 from shoecal_ros.inputs.cell_watch import CellWatch
 from shoecal_ros.inputs.joining import Joined
 
-FloatArray = NDArray[np.float64]
 COUNT, CELL = 8, 2
 NAME = nao_shoe().names[CELL]
 NEW = np.ones(COUNT, dtype=np.bool_)

@@ -2,15 +2,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 from sensor_msgs.msg import Imu
 
 from ros.bodies import nao
+from shoecal_core.arrays import FloatArray
 from shoecal_ros.common.conversions import header_to_ros
 from shoecal_ros.inputs.imu import ImuInput
 
-FloatArray = NDArray[np.float64]
 UP = np.array([0.0, 0.0, 1.0])
 
 

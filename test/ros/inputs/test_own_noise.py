@@ -2,11 +2,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_ros.inputs.own_noise import ENDED_FRAMES, OwnNoise
 
-FloatArray = NDArray[np.float64]
 BATCH = 5
 
 

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
+from shoecal_core.arrays import FloatArray
 from shoecal_ros.nodes.planner import main
 from shoecal_ros.planner.stop_reason import StopReason
 from shoecal_ros.planner.watch import MotionWatch
 
-FloatArray = NDArray[np.float64]
 AFTER_S = 2.0
 """Since the motion's begin, by the robot's time."""
 

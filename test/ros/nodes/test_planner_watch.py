@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-import numpy as np
 import pytest
-from numpy.typing import NDArray
 from shoecal_msgs.action import Plan
 from std_srvs.srv import SetBool
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
@@ -14,12 +12,12 @@ from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 from ros.bodies import nao
 from ros.following_robot import FollowingRobot
 from ros.world import Goal, Received, World
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import trajectory_from_ros
 
-FloatArray = NDArray[np.float64]
 PATIENT = {
     "stale_s": 10.0,
     "follow_late": 4.0,

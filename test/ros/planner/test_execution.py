@@ -6,11 +6,11 @@ from typing import Any, cast
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from shoecal_msgs.action import Plan
 
 from ros.bodies import nao
 from ros.clock import Clock
+from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.horizon.rolling import Path
 from shoecal_core.planning.legs import FootPose
 from shoecal_core.planning.motion import Motion, Phase
@@ -35,7 +35,6 @@ from shoecal_ros.planner.order import Mover, Order
 from shoecal_ros.planner.settings import MovingSettings
 from shoecal_ros.planner.watch import Senses
 
-FloatArray = NDArray[np.float64]
 SUPPORT = DoubleSupport(0.0, -0.11, 0.0)
 ANGLES = nao().from_legs(stance(nao(), SUPPORT))
 KNEE = nao().joint("LKneePitch")

@@ -4,14 +4,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ros.bodies import nao
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_ros.planner.tilt import Tilt, angle_between, upward
 
-FloatArray = NDArray[np.float64]
 UP = np.array([0.0, 0.0, 1.0])
 small = st.floats(-0.3, 0.3)
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.base import ALL, Component, Place, Shape
 from shoecal_core.error_sources.body import driven_together
 from shoecal_core.error_sources.effects import places
@@ -16,7 +16,6 @@ from shoecal_core.samples.known_weight import carried
 from shoecal_core.samples.samples import Samples
 from shoecal_core.shoe.priors import USUAL_WEIGHT
 
-FloatArray = NDArray[np.float64]
 LEAST_MASS = 0.01
 """Links lighter than this share of the robot are not looked at."""
 FRICTION = (0.05, 0.2)

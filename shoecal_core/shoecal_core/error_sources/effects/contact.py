@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.base import ALL, Component, Place, Shape
 from shoecal_core.error_sources.effects import places
 from shoecal_core.error_sources.signal_model import SignalModel
@@ -14,7 +14,6 @@ from shoecal_core.error_sources.signals import CLOSURE, COP, ROLL_PITCH
 from shoecal_core.error_sources.steps import step_times
 from shoecal_core.shoe.shoe import FEET
 
-FloatArray = NDArray[np.float64]
 MOVES = (Component("dx", "m", 0.004), Component("dy", "m", 0.004), Component("dtheta", "rad", 0.03))
 TURNED = "turn_180"
 """Motion's name of a run for which the robot was turned by half a turn on the same floor."""

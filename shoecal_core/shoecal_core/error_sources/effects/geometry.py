@@ -7,8 +7,8 @@ from dataclasses import replace
 from itertools import combinations, permutations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.base import Component, Place, Shape
 from shoecal_core.error_sources.effects import places
 from shoecal_core.error_sources.effects.load_cell import shown
@@ -16,8 +16,6 @@ from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.signals import AIR, PARITY
 from shoecal_core.error_sources.wiring import Wiring
 from shoecal_core.shoe.shoe import FEET
-
-FloatArray = NDArray[np.float64]
 
 
 class CellPosition:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.error_sources.base import Component, Place, Shape, one_of
 from shoecal_core.error_sources.effects import places
 from shoecal_core.error_sources.signal_model import SignalModel
@@ -14,8 +15,6 @@ from shoecal_core.samples.filters import low_passed
 from shoecal_core.samples.samples import Track
 from shoecal_core.shoe.wrench import weight_below
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 LEAST_HANGING = 5
 """Samples in the air that are enough to know what a cell shows without load."""
 FLAT_STUCK, FLAT_AT_TOP = 0.01, 0.5

@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import IntArray
 from shoecal_core.error_sources.base import ALL, Place
 from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.shoe.shoe import FEET, Shoe
-
-IntArray = NDArray[np.int64]
 
 
 def cells(shoe: Shoe) -> IntArray:

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.base import Component, Place, Shape
 from shoecal_core.error_sources.effects import places
 from shoecal_core.error_sources.effects.load_cell import shown
@@ -15,7 +15,6 @@ from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.samples.filters import rise, slope
 from shoecal_core.samples.samples import Track
 
-FloatArray = NDArray[np.float64]
 DELAYS = {0.02: (0.0, 0.06), 0.1: (0.04, 0.2), 0.25: (0.1, 0.5), 0.5: (0.2, 1.0)}
 """s; each with the delays between which its form holds."""
 LAGS = {0.0: (0.0, np.inf), 0.1: (0.04, 0.2), 0.25: (0.1, 0.5), 0.5: (0.2, 1.0)}

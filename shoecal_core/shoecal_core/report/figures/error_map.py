@@ -11,8 +11,8 @@ import shapely
 from matplotlib.axes import Axes
 from matplotlib.patches import Polygon
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError
 from shoecal_core.report.figures.feet import (
     LEFT,
@@ -26,8 +26,6 @@ from shoecal_core.report.figures.feet import (
 )
 from shoecal_core.report.palette import INK, SIZES
 from shoecal_core.report.svg import SMALL, WIDTH, Canvas, readable
-
-FloatArray = NDArray[np.float64]
 
 RASTER = 61
 """Points of the drawn map along each axis."""

@@ -10,8 +10,8 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.patches import Patch, Polygon
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.report.palette import INK, MUTED, SOLE, Look
 from shoecal_core.report.svg import (
     LINE,
@@ -31,7 +31,6 @@ from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import FEET, Shoe
 
-FloatArray = NDArray[np.float64]
 MARGIN_MM, ROOM_FOR_LABEL_MM = 8.0, 16.0
 LEFT, RIGHT, BOTTOM, GAP = 50.0, 8.0, 36.0, 30.0
 TITLE, BAND = 16.0, 26.0

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError
 from shoecal_core.report.figures.feet import (
     Above,
@@ -21,8 +21,6 @@ from shoecal_core.report.figures.feet import (
 )
 from shoecal_core.report.palette import BLUE, INK, MUTED, SOLE, STEPS, Colour, Look
 from shoecal_core.report.svg import area_key, canvas, line_key, marker_key, y_label
-
-FloatArray = NDArray[np.float64]
 
 MARKERS = "os^DvPX"
 """One for each weight, in addition to its colour."""

@@ -11,12 +11,11 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError
 from shoecal_core.report.palette import BLUE, MUTED, RED, RULE, SLATE, Colour
 from shoecal_core.report.svg import SMALL, WIDTH, canvas
 from shoecal_core.robot.robot import Robot
-
-FloatArray = NDArray[np.float64]
 
 LEFT_SIDE, RIGHT_SIDE, BODY = 0, 1, 2
 SIDES: tuple[Colour, ...] = (BLUE, RED, SLATE)

@@ -8,8 +8,8 @@ from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.report.figures.feet import (
     LEFT,
     Above,
@@ -22,8 +22,6 @@ from shoecal_core.report.figures.feet import (
 )
 from shoecal_core.report.palette import BLUE, INK, MUTED, SOLE, Look
 from shoecal_core.report.svg import SMALL, Canvas, line_key, readable
-
-FloatArray = NDArray[np.float64]
 
 LONGEST_MM = 20.0
 """Of the arrows that are drawn, but for the longest in twenty."""

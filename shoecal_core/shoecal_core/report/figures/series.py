@@ -7,13 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.series import Series
 from shoecal_core.report.palette import MUTED, Look
 from shoecal_core.report.svg import canvas, draw_line, line_key, readable, y_label
-
-FloatArray = NDArray[np.float64]
 
 LABELS = ("CoP x (mm)", "CoP y (mm)", "GRF (N)")
 HEIGHT, GAP, TOP = 164.0, 16.0, 24.0

@@ -8,13 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError
 from shoecal_core.report.palette import FAIL, INK, MUTED, RULE, SOLE, WARN, Look
 from shoecal_core.report.svg import LINE, SMALL, WIDTH, canvas, draw_line, readable
-
-FloatArray = NDArray[np.float64]
 
 GAP, BOTTOM = 5.0, 36.0
 PER_LINE = 3

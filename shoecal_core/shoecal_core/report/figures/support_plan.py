@@ -10,8 +10,8 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.report.figures.feet import (
     LEFT,
     Above,
@@ -34,8 +34,6 @@ from shoecal_core.report.svg import (
     marker_key,
 )
 from shoecal_core.shoe.shoe import FEET
-
-FloatArray = NDArray[np.float64]
 
 HULL, SWING = Look(SLATE, 1.1, (4.0, 2.0)), Look(MUTED, 1.4, (1.5, 1.5))
 ROOM = 0.05

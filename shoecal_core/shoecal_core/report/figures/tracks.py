@@ -7,12 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.report.palette import INK, STEPS
 from shoecal_core.report.svg import LINE, canvas, readable, y_label
-
-FloatArray = NDArray[np.float64]
 
 MARKERS = "os^DvPX"
 PER_LINE, HEIGHT, BOTTOM = 2, 150.0, 36.0

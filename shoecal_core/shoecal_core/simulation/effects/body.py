@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from shoecal_core.errors import FieldError
 from shoecal_core.files import Fields
@@ -17,8 +16,6 @@ from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.effects.location import Parts, read_feet, read_shift
 from shoecal_core.simulation.reality import ALL
 from shoecal_core.simulation.sampled_parts import SampledBody
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -5,17 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.files import Fields
-from shoecal_core.simulation.effects.location import Channels, IntArray
+from shoecal_core.simulation.effects.location import Channels
 from shoecal_core.simulation.effects.sensor_effect import SensorEffect
 from shoecal_core.simulation.sampled_parts import SampledShoes
 from shoecal_core.simulation.stage import Instant, Memoryless, Place
 from shoecal_core.simulation.temperature import WarmUp
-
-FloatArray = NDArray[np.float64]
 
 _SESSION = 300.0
 """s; over this time the mean rate is the stated one."""

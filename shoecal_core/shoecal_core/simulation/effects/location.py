@@ -6,17 +6,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.errors import FieldError, instead
 from shoecal_core.files import Fields
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_core.simulation.reality import ALL, BASE
 from shoecal_core.simulation.sampled_parts import link_names
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 _AREAS = (*FEET, ALL)
 

@@ -6,8 +6,8 @@ import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.files import Fields
 from shoecal_core.shoe.shoe import FEET
 from shoecal_core.simulation.effects.effect import Effect
@@ -15,8 +15,6 @@ from shoecal_core.simulation.effects.location import Channels, read_feet
 from shoecal_core.simulation.effects.sensor_effect import SensorEffect
 from shoecal_core.simulation.sampled_parts import SampledShoes
 from shoecal_core.simulation.stage import Instant, Memoryless, Place
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.files import Fields
 from shoecal_core.shoe.shoe import FEET
 from shoecal_core.simulation.disturbances import Disturbance, MovingRobot
@@ -16,8 +16,6 @@ from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.effects.location import read_feet, read_shift
 from shoecal_core.simulation.restancing import Restancing
 from shoecal_core.simulation.shoe_physics import tip_geoms
-
-FloatArray = NDArray[np.float64]
 
 _ICE = 0.02
 """Friction below a foot while it slips."""

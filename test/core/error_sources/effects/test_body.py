@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 import pytest
-from numpy.typing import NDArray
 
 from core.error_sources.altered import (
     bearing,
@@ -37,7 +36,6 @@ from shoecal_core.samples.known_weight import KNOWN_MASS, WEIGHTED
 from shoecal_core.samples.samples import TURNED_BACK
 from shoecal_core.shoe.priors import USUAL_WEIGHT
 
-FloatArray = NDArray[np.float64]
 JOINTS = ("LHipYawPitch", "LKneePitch", "RAnkleRoll")
 
 

@@ -18,6 +18,7 @@ from core.error_sources.altered import (
     with_robot,
 )
 from core.error_sources.shows import assert_shows, shape, told
+from shoecal_core.arrays import FloatArray
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources import body
 from shoecal_core.error_sources.effects.contact import FloorTilt, FootPlacement, Slip, SoftGround
@@ -27,8 +28,6 @@ from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.samples.samples import Samples
 from shoecal_core.shoe.shoe import FEET
 from shoecal_core.shoe.wrench import to_left
-
-FloatArray = NDArray[np.float64]
 
 
 @pytest.mark.parametrize("foot", FEET)

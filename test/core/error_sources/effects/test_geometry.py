@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 import pytest
-from numpy.typing import NDArray
 
 from core.error_sources.altered import with_forces
 from core.error_sources.shows import assert_shows, shape, told
+from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.effects.geometry import (
     CellPosition,
     Crosstalk,
@@ -21,8 +21,6 @@ from shoecal_core.error_sources.effects.geometry import (
 from shoecal_core.error_sources.settings import SignalSettings
 from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.signals import PARITY
-
-FloatArray = NDArray[np.float64]
 
 
 @pytest.mark.parametrize("cell", ["left/rear_left", "right/front_left", "right/rear_right"])

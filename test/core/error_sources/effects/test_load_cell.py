@@ -6,17 +6,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.error_sources.altered import Work, with_forces
 from core.error_sources.shows import assert_shows, shape, told
+from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.effects import load_cell
 from shoecal_core.error_sources.effects.places import channels_at
 from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.samples.samples import Track
 from shoecal_core.shoe.wrench import ChannelParameters
 
-FloatArray = NDArray[np.float64]
 CELLS = ("left/front_left", "right/rear_right")
 
 

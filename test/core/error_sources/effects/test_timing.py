@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.error_sources.altered import with_forces
 from core.error_sources.shows import assert_shows, shape, told
+from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.effects.places import all_channels_at
 from shoecal_core.error_sources.effects.timing import DELAYS, LAGS, MEANS, Latency, LowPass
 from shoecal_core.error_sources.signal_model import SignalModel
@@ -15,7 +15,6 @@ from shoecal_core.error_sources.signals import AIR
 from shoecal_core.samples.filters import low_passed
 from shoecal_core.samples.samples import Track
 
-FloatArray = NDArray[np.float64]
 PLACES = ("left", "right", "all")
 
 

@@ -6,9 +6,9 @@ import dataclasses
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.simulation.worlds import PERFECT, ROOT, changed, load_world
+from shoecal_core.arrays import FloatArray
 from shoecal_core.files import Fields
 from shoecal_core.shoe.shoe import Shoe, load_shoe
 from shoecal_core.simulation.effects.effect import Effect
@@ -17,8 +17,6 @@ from shoecal_core.simulation.reality import PlantVariation
 from shoecal_core.simulation.sampled_parts import SampledShoes
 from shoecal_core.simulation.sampled_robot import draw_shoes
 from shoecal_core.simulation.sensor_chain import NO_SIDEWAYS, SensorChain
-
-FloatArray = NDArray[np.float64]
 
 PERIOD = 0.01
 """s; between two instants."""

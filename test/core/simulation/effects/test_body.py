@@ -8,18 +8,16 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 import pytest
-from numpy.typing import NDArray
 
 from core.simulation.effects.chains import item
 from core.simulation.worlds import DEFAULT, PERFECT, World, changed
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import FileError
 from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.shoe import wrench
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.robot import SimulatedRobot
 from shoecal_core.simulation.sampled_robot import draw_body
-
-FloatArray = NDArray[np.float64]
 
 
 def with_effects(world: World, *effects: Effect) -> SimulatedRobot:

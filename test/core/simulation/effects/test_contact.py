@@ -6,19 +6,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.simulation.effects.chains import item
 from core.simulation.test_robot_physics import six_axis_world
 from core.simulation.worlds import DEFAULT, PERFECT, World, changed
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import FileError
 from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.shoe import wrench
 from shoecal_core.simulation.reality import PlantVariation
 from shoecal_core.simulation.robot import SimulatedRobot
 from shoecal_core.simulation.sampled_robot import draw_shoes
-
-FloatArray = NDArray[np.float64]
 
 
 def lean(sim: SimulatedRobot, angle: float) -> None:

@@ -6,9 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import mujoco
-import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.simulation.test_disturbances import standing_still
 from core.simulation.worlds import PERFECT, World, changed
@@ -18,8 +16,6 @@ from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.sampled_parts import link_names
 from shoecal_core.simulation.samples import run
 from shoecal_core.simulation.shoe_physics import sole_name
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,9 @@ from functools import cache
 import numpy as np
 import pytest
 
-from core.simulation.effects.chains import FloatArray, item
+from core.simulation.effects.chains import item
 from core.simulation.worlds import DEFAULT, World, changed, load_world
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.robot import SimulatedRobot

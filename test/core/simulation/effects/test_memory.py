@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from core.simulation.effects.chains import NAO, FloatArray, item, on_first, shoes_with, through
+from core.simulation.effects.chains import NAO, item, on_first, shoes_with, through
+from shoecal_core.arrays import FloatArray
 
 CELL = "left/front_left"
 

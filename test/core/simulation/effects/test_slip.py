@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.simulation.effects.chains import item
 from core.simulation.test_disturbances import standing_still
 from core.simulation.worlds import DEFAULT, PERFECT, World, changed
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import FileError
 from shoecal_core.simulation.effects.slip import DURATION, Slip
 from shoecal_core.simulation.robot import SimulatedRobot
 from shoecal_core.simulation.samples import run
 from shoecal_core.simulation.shoe_physics import tip_geoms
-
-FloatArray = NDArray[np.float64]
 
 _START = 0.5
 
