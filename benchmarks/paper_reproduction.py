@@ -19,7 +19,7 @@ from shoecal_core.manual.calibrate import ManualCalibration, calibrate_manually
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot
-from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.settings import PAPER, CalibrationSettings
 from shoecal_core.shoe.sensing import Sensing
 from shoecal_core.shoe.shoe import Shoe, load_shoe
 from shoecal_core.simulation.reality_file import load_reality
@@ -30,8 +30,7 @@ from shoecal_core.workspace import config_dir
 
 GUESS, LEAST_SQUARES, CORRECTED = "guess", "least squares", "CoP correction"
 """Stages of the paper's own self-calibration (section VI)."""
-PAPER = CalibrationSettings(correction_std_m=1e-3)
-"""With the paper's CoP correction, where it helps on runs held out."""
+SETTINGS = CalibrationSettings(method=PAPER)
 
 
 @dataclass(frozen=True)
@@ -74,7 +73,7 @@ def reproduce(member: Member, session: Session) -> Reproduction:
     manual = calibrate_manually(shoe, robot, cells, loads)
     outcome = calibrate_session(session, member.train, member.test)
     data = load_data(session, (*member.train, *member.test))
-    chain = self_calibrate(data.shoe, data.of(member.train), PAPER)
+    chain = self_calibrate(data.shoe, data.of(member.train), SETTINGS)
     runs = compare_data(
         session,
         data,

@@ -47,7 +47,7 @@ def trust_lines(assessment: Assessment, screening: Screening) -> list[str]:
     known = assessment.identifiability
     lines = []
     if assessment.budget is None:
-        lines.append("the model's own errors come on top: for walking they are not known")
+        lines.append("the model's own errors come on top: least squares alone do not know them")
     possible = max(known.possible, known.rank)
     lines += [f"the data identify {known.rank} of {possible} directions", *weak_lines(known)]
     if assessment.budget is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from rich.console import Console
@@ -30,7 +31,7 @@ from shoecal_core.estimation.joint_fit import JointFit
 from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.recording.session import Session
 from shoecal_core.report.quantities import channel_units, uncertain
-from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.settings import JOINT, PAPER, CalibrationSettings
 from shoecal_core.workflows.calibrate import calibrate_session
 
 SURE = 3.0
@@ -52,6 +53,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="calibration of these shoes by `shoecal manual shoe`: where cells and plates carry, "
         "and the gains, are then known beforehand",
     )
+    parser.add_argument(
+        "--method",
+        choices=(JOINT, PAPER),
+        help="joint: gains and offsets together with all that robot and shoes may have wrong "
+        "(the default); paper: least squares over gains and offsets alone, then a CoP correction",
+    )
     add_weight(parser)
     add_rezero(parser)
     add_sets(parser)
@@ -67,6 +74,7 @@ def _against(outcome: CalibrationOutcome) -> str:
 def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     """Calibrate; a calibration with the verdict FAIL is not written."""
     settings = settings_of(CalibrationSettings, args.settings, "calibration")
+    settings = replace(settings, method=args.method or settings.method)
     tolerances = settings_of(Tolerances, args.settings, "tolerances")
     for path in filter(None, (args.out, args.report, args.json)):
         require_folder(path)
@@ -103,6 +111,7 @@ def to_json(outcome: CalibrationOutcome) -> dict[str, object]:
     return {
         "format": 1,
         "verdict": calibration.verdict,
+        "method": JOINT if outcome.joint is not None else PAPER,
         "reasons": list(calibration.reasons),
         "train": list(outcome.train),
         "test": list(outcome.test),

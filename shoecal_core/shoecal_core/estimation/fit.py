@@ -1,8 +1,8 @@
 """The paper's self-calibration (VI): initial guess, nonlinear least squares, CoP correction.
 
-For a robot that stands, a calibration fits gains and offsets together with all that robot and shoes
-may have wrong (`joint`), from the same initial guess. This chain is the paper's own; it is what a
-walk is calibrated by.
+`calibrate --method paper` ends here; `correction_fit` has its last step. The usual method fits
+gains and offsets together with all that robot and shoes may have wrong (`joint`), from the same
+initial guess. A walk is calibrated by the first two steps.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from shoecal_core.estimation.least_squares import Fit, Prior, minimise
 from shoecal_core.estimation.residuals import ResidualWeights, pack, rows_of, thinned, unpack
 from shoecal_core.estimation.walking_fit import CommonZeros, fit_walk
 from shoecal_core.samples.stance import Stance
-from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.settings import PAPER, CalibrationSettings
 from shoecal_core.shoe.correction import CopCorrection
 from shoecal_core.shoe.priors import parameter_std
 from shoecal_core.shoe.sensing import Sensing
@@ -89,7 +89,11 @@ def self_calibrate(
         guess=guess,
         guess_with_weight=initial_guess(shoe, stances, weight_row=True),
         fit=fit,
-        corrections=fit_corrections(shoe, parameters, time_offset, stances, settings),
+        corrections=(
+            fit_corrections(shoe, parameters, time_offset, stances, settings)
+            if settings.method == PAPER
+            else ()
+        ),
     )
 
 

@@ -14,7 +14,6 @@ from shoecal_core.error_sources.settings import SignalSettings
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.contradiction import contradiction
-from shoecal_core.estimation.correction_fit import fit_corrections
 from shoecal_core.estimation.fit import SelfCalibration
 from shoecal_core.estimation.initial_guess import InitialGuess
 from shoecal_core.estimation.joint_fit import RATE_HZ, JointFit, UnsettledError, fit_jointly
@@ -113,19 +112,13 @@ def known_zeros(shoe: Shoe, zeros: Sequence[Zero], tolerances: Tolerances) -> Kn
 
 
 def of_joint(
-    joint: JointFit,
-    guess: InitialGuess,
-    guess_with_weight: InitialGuess,
-    stances: Sequence[Stance],
-    settings: CalibrationSettings,
+    joint: JointFit, guess: InitialGuess, guess_with_weight: InitialGuess
 ) -> SelfCalibration:
     """The stages of a calibration that is found by the joint fit.
 
     Args:
         joint: the fit.
         guess, guess_with_weight: where it began, and the same with the weight's row.
-        stances: with the corrected reference, for CoP corrections where the settings ask for them.
-        settings: of the calibration.
     """
     size = len(joint.vector)
     std = joint.prior_std[:size]
@@ -147,9 +140,7 @@ def of_joint(
         guess=guess,
         guess_with_weight=guess_with_weight,
         fit=fit,
-        corrections=fit_corrections(
-            joint.shoe, joint.parameters, joint.time_offset, stances, settings
-        ),
+        corrections=(),
     )
 
 

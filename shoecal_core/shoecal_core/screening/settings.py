@@ -7,6 +7,9 @@ from dataclasses import dataclass
 from shoecal_core.settings import setting
 from shoecal_core.shoe.priors import PriorSettings
 
+JOINT, PAPER = "joint", "paper"
+"""Methods: with all that robot and shoes may have wrong, or gains and offsets alone."""
+
 
 @dataclass(frozen=True)
 class CalibrationSettings(PriorSettings):
@@ -17,6 +20,11 @@ class CalibrationSettings(PriorSettings):
     model error, so together they count once.
     """
 
+    method: str = setting(
+        JOINT, "", "joint: gains and offsets with all that robot and shoes may have wrong; paper: "
+        "initial guess, least squares and CoP correction (paper, VI)",
+        choices=(JOINT, PAPER),
+    )  # fmt: skip
     force_std_n: float = setting(0.3, "N", "how far the weight is off the true GRF", minimum=1e-6)
     cop_std_m: float = setting(
         0.0025, "m", "how far the modelled CoP is off the true CoP", minimum=1e-9
@@ -29,8 +37,8 @@ class CalibrationSettings(PriorSettings):
         "alike for correlation_s", minimum=1e-6,
     )  # fmt: skip
     correction_std_m: float = setting(
-        0.0, "m", "size of one typical term of the paper's CoP correction; 0: none, the joint fit "
-        "finds cell places and plates instead", minimum=0.0,
+        0.001, "m", "of the method paper: size of one typical term of the CoP correction; 0: none",
+        minimum=0.0,
     )  # fmt: skip
     fixed_below: float = setting(
         1.0,

@@ -71,7 +71,7 @@ from shoecal_core.samples.zeros import with_own_zeros
 from shoecal_core.screening.clocks import LEFT_STD_S
 from shoecal_core.screening.findings import of_time_offset
 from shoecal_core.screening.result import Screening
-from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.settings import PAPER, CalibrationSettings
 from shoecal_core.screening.verdict import Finding, Verdict, judge
 from shoecal_core.shoe.sensing import Sensing
 from shoecal_core.shoe.wrench import ChannelParameters
@@ -247,7 +247,7 @@ def _fit_once(
     manual: Calibration | None,
 ) -> _Fit:
     training = data.of(train)
-    if data.samples is None:
+    if data.samples is None or fitting.method == PAPER:
         common = None
         if walks(training):
             common = common_zeros(data.shoe, data.zeros, train)
@@ -272,11 +272,10 @@ def _fit_once(
         # Of steady shoes the weights on them have shown more than any motion does.
         shoe = sensing.shoe if since is Since.STEADY else joint.shoe
     data = replace(data, shoe=shoe, stances=corrected(data.stances, joint, shoe))
-    training = data.of(train)
-    stages = of_joint(joint, guess, guess_with_weight, training, fitting)
+    stages = of_joint(joint, guess, guess_with_weight)
     if since is Since.STEADY:
         stages = replace(stages, shoe=shoe, corrections=sensing.corrections)
-    return _Fit(data, training, stages, joint, since=since)
+    return _Fit(data, data.of(train), stages, joint, since=since)
 
 
 def rezeroed(data: SessionData, parameters: ChannelParameters) -> dict[int, tuple[Stance, ...]]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,11 +10,15 @@ import pytest
 import yaml
 
 from shoecal_core.cli.calibrate_command import to_json
-from shoecal_core.estimation.joint import of_joint
+from shoecal_core.cli.program import main
+from shoecal_core.estimation.calibration import load_calibration
+from shoecal_core.estimation.fit import self_calibrate
 from shoecal_core.estimation.outcome import CalibrationOutcome
+from shoecal_core.estimation.session_data import load_data
 from shoecal_core.recording.session import Session
 from shoecal_core.report.assessment import source_name
 from shoecal_core.report.session_report import write_session_report
+from shoecal_core.samples.stance import Stance
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.workflows.calibrate import calibrate_session
 
@@ -56,21 +59,6 @@ def test_it_is_fitted_with_all_that_may_be_wrong(outcome: CalibrationOutcome) ->
     assert {"joint_offset", "backlash", "cell_position", "plates", "support"} <= effects
 
 
-def test_a_cop_correction_is_fitted_to_what_the_joint_fit_leaves_if_asked_for(
-    outcome: CalibrationOutcome,
-) -> None:
-    joint, stages = outcome.joint, outcome.stages
-    assert joint is not None
-    bent = [
-        replace(one, cop=one.cop + 2.0 * one.cop * np.abs(one.cop))
-        for one in outcome.data.of(outcome.train)
-    ]
-    for size, feet in ((0.0, False), (0.01, True)):
-        settings = CalibrationSettings(correction_std_m=size)
-        found = of_joint(joint, stages.guess, stages.guess_with_weight, bent, settings)
-        assert (len(found.corrections) > 0) == feet
-
-
 def test_figures_for_machines(outcome: CalibrationOutcome) -> None:
     figures = json.loads(json.dumps(to_json(outcome), allow_nan=False))
     joint, budget = outcome.joint, outcome.assessment.budget
@@ -103,3 +91,29 @@ def test_the_report_has_the_budget(
     assert "Error sources of the CoP, both feet together" in html
     for one in budget.sources[:3]:
         assert source_name(one.effect) in html.replace("&#x27;", "'")
+
+
+def test_the_papers_own_method_is_guess_least_squares_and_correction(
+    standard_session: Session, outcome: CalibrationOutcome, tmp_path: Path
+) -> None:
+    settings = CalibrationSettings(method="paper")
+    own = self_calibrate(outcome.data.shoe, _training(standard_session, settings), settings)
+    written, figures = tmp_path / "calibration.yaml", tmp_path / "figures.json"
+    code = main([
+        "calibrate", str(standard_session.folder), "--method", "paper",
+        "--train", "1,2,3,4,5,6", "--test", "7,8",
+        "--out", str(written), "--json", str(figures),
+    ])  # fmt: skip
+    assert code == 0
+    said = json.loads(figures.read_text())
+    assert said["method"] == "paper"
+    assert said["deviations"] == []
+    gains = [one["gain"] for one in said["channels"].values()]
+    np.testing.assert_allclose(gains, own.parameters.gain, rtol=1e-4)
+    assert len(load_calibration(written).corrections) == len(own.corrections)
+
+    assert to_json(outcome)["method"] == "joint"
+
+
+def _training(session: Session, settings: CalibrationSettings) -> list[Stance]:
+    return load_data(session, (*TRAIN, *TEST), settings).of(TRAIN)
