@@ -39,7 +39,7 @@ from shoecal_core.shoe.shoe import load_shoe
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.simulation.robot import RobotFellError, SimulatedRobot
 from shoecal_core.simulation.sampled_robot import draw
-from shoecal_core.workflows.simulated_walk import walk
+from shoecal_core.workflows.simulated_session import walk
 from shoecal_core.workspace import config_dir
 
 ROBOTS = {"nao": "nao_shoe", "wren": "wren_shoe"}

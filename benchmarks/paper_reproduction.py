@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import wilcoxon
 
 from population import Member
+from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.fit import self_calibrate
 from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.estimation.run_errors import SETS, ComparedRun, errors_of
@@ -99,7 +99,7 @@ def shoe_and_robot() -> tuple[Shoe, Robot]:
 class Difference:
     """Mean MAE of the test runs less that of the training runs, (robots,) [N or m]."""
 
-    values: NDArray[np.float64]
+    values: FloatArray
 
     @property
     def p_value(self) -> float:

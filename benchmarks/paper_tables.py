@@ -15,9 +15,8 @@ from paper_published import ASSUMPTIONS, CALIBRATED, MANUAL
 from paper_published import GUESS as PUBLISHED_GUESS
 from paper_reproduction import CORRECTED, GUESS, LEAST_SQUARES, Paper
 from paper_targets import missed, of_all, summary
-from shoecal_core.estimation.metrics import Mae, cop_mae
 from shoecal_core.estimation.run_errors import ComparedRun, errors_by_set, errors_of
-from shoecal_core.estimation.series import Errors
+from shoecal_core.estimation.series import Errors, Mae, cop_mae
 from shoecal_core.shoe.shoe import FEET
 from shoecal_core.workflows.evaluation import MEASURED, MODELLED, REFERENCE, TRUTH
 

@@ -23,11 +23,10 @@ from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 import pages
 from pages import ROOT
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import atomic_write
 from shoecal_core.planning.checking.body_track import track
@@ -44,7 +43,7 @@ from shoecal_core.simulation.reality import PlantVariation
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.simulation.robot import SimulatedRobot
 from shoecal_core.simulation.sampled_robot import draw
-from shoecal_core.workflows.simulated_walk import take
+from shoecal_core.workflows.simulated_session import take
 from shoecal_core.workspace import config_dir
 
 CONFIG = config_dir()
@@ -195,7 +194,7 @@ def as_planned(robot: Robot, plan: Motion) -> Extremes:
     )  # fmt: skip
 
 
-def loaded(plan: Motion, times: FloatArray) -> NDArray[np.bool_]:
+def loaded(plan: Motion, times: FloatArray) -> BoolArray:
     """(T, 2) whether left, right have to keep load."""
     kept = np.ones((len(times), 2), dtype=bool)
     for phase in plan.phases:
@@ -207,7 +206,7 @@ def loaded(plan: Motion, times: FloatArray) -> NDArray[np.bool_]:
 def extremes(
     load: FloatArray,
     sideways: FloatArray,
-    kept: NDArray[np.bool_],
+    kept: BoolArray,
     weight: float,
     up: FloatArray,
 ) -> Extremes:

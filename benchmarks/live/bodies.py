@@ -6,9 +6,8 @@ import time
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.planning.posture import stance
 from shoecal_core.robot.double_support import DoubleSupport
@@ -55,7 +54,7 @@ def calibration() -> Calibration:
     )  # fmt: skip
 
 
-def numbered_counts(volts_per_count: float) -> NDArray[np.int64]:
+def numbered_counts(volts_per_count: float) -> IntArray:
     """(NUMBERS, n) counts of the cells, one row a number."""
     names, law = shoe().names, calibration().parameters
     outputs = np.full((NUMBERS, len(names)), 6.0)
@@ -65,15 +64,15 @@ def numbered_counts(volts_per_count: float) -> NDArray[np.int64]:
     return np.rint((outputs - law.offset) / law.gain / volts_per_count).astype(np.int64)
 
 
-def cop_of(counts: NDArray[np.int64], volts_per_count: float) -> FloatArray:
+def cop_of(counts: IntArray, volts_per_count: float) -> FloatArray:
     """(NUMBERS,) x of the CoP that such frames give [m]."""
     volts: FloatArray = counts.astype(np.float64) * volts_per_count
     measured = calibration().sensing(shoe()).measure(volts)
     return measured.combined_cop(SUPPORT)[..., 0]
 
 
-def numbers_of(x: FloatArray, of_numbers: FloatArray) -> NDArray[np.int64]:
+def numbers_of(x: FloatArray, of_numbers: FloatArray) -> IntArray:
     """Numbers, modulo NUMBERS, of CoPs."""
     slope, begin = np.polyfit(np.arange(NUMBERS), of_numbers, 1)
-    found: NDArray[np.int64] = np.rint((x - begin) / slope).astype(np.int64) % NUMBERS
+    found: IntArray = np.rint((x - begin) / slope).astype(np.int64) % NUMBERS
     return found

@@ -12,10 +12,10 @@ from types import TracebackType
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from live import bodies
 from live.line import Line
+from shoecal_core.arrays import IntArray
 from shoecal_core.end_with_parent import ending_with_parent
 from shoecal_core.estimation.calibration import save_calibration
 from shoecal_core.workspace import ros_environment
@@ -93,7 +93,7 @@ class Chains:
             process.kill()
             process.wait()
 
-    def heard(self) -> dict[str, tuple[NDArray[np.int64], NDArray[np.int64]]]:
+    def heard(self) -> dict[str, tuple[IntArray, IntArray]]:
         """End the listener; of each chain the times [ns] and the numbers of what it heard."""
         self.stop("listener")
         found = np.load(self._heard)

@@ -6,11 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from live.bodies import NUMBERS
 from live.line import Sent
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.errors import ShoecalError
 
 LONGEST_NS = 1_000_000_000
@@ -34,9 +33,7 @@ class Turn:
     latency_ms: FloatArray = field(default_factory=lambda: np.zeros(0))
 
 
-def latencies_ms(
-    sent: Sequence[Sent], at_ns: NDArray[np.int64], numbers: NDArray[np.int64]
-) -> FloatArray:
+def latencies_ms(sent: Sequence[Sent], at_ns: IntArray, numbers: IntArray) -> FloatArray:
     """(m,) time from each frame's writing to its hearing, NaN where it was not heard.
 
     Args:

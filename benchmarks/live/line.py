@@ -9,9 +9,7 @@ import tty
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
+from shoecal_core.arrays import IntArray
 from shoecal_ros.serial.frame import Frame
 from shoecal_ros.serial.protocol import encode_frame
 
@@ -30,7 +28,7 @@ class Sent:
 class Line:
     """The device's end of a pseudo-terminal; `path` is the port."""
 
-    def __init__(self, path: Path, counts: NDArray[np.int64]) -> None:
+    def __init__(self, path: Path, counts: IntArray) -> None:
         """Frame k carries the counts (K, n) of row k modulo K."""
         self._line, self._end = pty.openpty()
         tty.setraw(self._end)

@@ -20,11 +20,11 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from reliability import originals
 from reliability.row import Progress, Result, Row
 from reliability.tries import BrokenError, run_tries
+from shoecal_core.arrays import IntArray
 from shoecal_core.recording import schemas
 from shoecal_core.recording.reader import read_run
 from shoecal_core.recording.session import Session
@@ -49,7 +49,7 @@ LED_ON_NS = 150_000_000
 """Where one was taken for that, stamps may be corrected so far, or be led on by so much with the
 largest drift that an oscillator may have, before a jump is made out."""
 
-Ints = NDArray[np.int64]
+Ints = IntArray
 
 
 def run(first: int, count: int, seed: int, progress: Progress) -> Result:

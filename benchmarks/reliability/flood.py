@@ -24,13 +24,13 @@ from pathlib import Path
 
 import numpy as np
 from geometry_msgs.msg import PointStamped
-from numpy.typing import NDArray
 from rclpy.serialization import serialize_message
 from std_msgs.msg import Bool
 
 from reliability.live_robots import PERIOD_NS, WaitedForRobot, put_in_force, start_calibrator
 from reliability.live_world import live_world
 from reliability.row import Progress, Result, Row
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.workspace import ros_environment
 from shoecal_ros.common import qos
 
@@ -52,8 +52,8 @@ class Flood:
         cop_share: CoPs for each frame of the robot's over those before.
     """
 
-    took: NDArray[np.float64]
-    changes: NDArray[np.bool_]
+    took: FloatArray
+    changes: BoolArray
     jobs: int
     cop_share: float
 

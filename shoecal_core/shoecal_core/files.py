@@ -21,8 +21,8 @@ from typing import Any, cast
 
 import numpy as np
 import yaml
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import (
     DiskFullError,
     FieldError,
@@ -343,7 +343,7 @@ class Fields:
             raise self.error(key, f"must be {bounds}, got {value:g}")
         return value
 
-    def array(self, key: str, shape: tuple[int | None, ...]) -> NDArray[np.float64]:
+    def array(self, key: str, shape: tuple[int | None, ...]) -> FloatArray:
         """Finite numbers of a given shape, None for any length: (None, 3) for (n, 3)."""
         value = self.value(key)
         flat = [self._finite(key, item) for item in _flatten(value)]

@@ -9,8 +9,7 @@ from accuracy_results import REFUSED, Result
 from accuracy_sessions import PAPER, STANDARD, Case
 from accuracy_tables import grouped, inside, tables
 from held import WHAT, Held
-from shoecal_core.estimation.metrics import Mae
-from shoecal_core.estimation.series import Errors
+from shoecal_core.estimation.series import Errors, Mae
 
 
 def result(seed: int, cop: float, ratio: float, gain: float, motions: str = STANDARD) -> Result:

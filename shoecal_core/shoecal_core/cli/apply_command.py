@@ -9,9 +9,9 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from rich.console import Console
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.cli.arguments import add_force, add_rezero
 from shoecal_core.cli.progress import shown_progress
 from shoecal_core.errors import ShoecalError
@@ -69,7 +69,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     return {"calibration": calibration.id, "runs": rows}
 
 
-def _table(columns: Mapping[str, NDArray[np.float64]]) -> str:
+def _table(columns: Mapping[str, FloatArray]) -> str:
     """A CSV table; nothing stands where a value is not known."""
     buffer = io.StringIO()
     writer = csv.writer(buffer, lineterminator="\n")

@@ -19,8 +19,7 @@ from shoecal_core.cli.arguments import (
     require_folder,
     settings_of,
 )
-from shoecal_core.cli.assessment_table import expected_table, trust_lines
-from shoecal_core.cli.screening_table import screening_table
+from shoecal_core.cli.assessment_table import expected_table, screening_table, trust_lines
 from shoecal_core.cli.tables import errors_table, new_table, print_table, stages_rows
 from shoecal_core.cli.usable import require_usable
 from shoecal_core.cli.zeros_table import weight_json, weight_line, zeros_table

@@ -17,8 +17,7 @@ from shoecal_core.cli.arguments import (
     require_folder,
     settings_of,
 )
-from shoecal_core.cli.assessment_table import expected_table
-from shoecal_core.cli.screening_table import screening_table
+from shoecal_core.cli.assessment_table import expected_table, screening_table
 from shoecal_core.cli.tables import TEXT, new_table, print_table, verdict_line
 from shoecal_core.cli.zeros_table import weight_json, weight_line, zeros_table
 from shoecal_core.error_sources.tolerances import Tolerances

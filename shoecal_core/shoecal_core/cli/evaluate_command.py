@@ -25,11 +25,7 @@ from shoecal_core.cli.tables import (
 from shoecal_core.cli.zeros_table import weight_json, weight_line, zeros_table
 from shoecal_core.errors import PartialError, ShoecalError
 from shoecal_core.estimation.calibration import Calibration
-from shoecal_core.estimation.run_errors import (
-    ComparedRun,
-    errors_by_set,
-    errors_of,
-)
+from shoecal_core.estimation.run_errors import ComparedRun, errors_by_set, errors_of
 from shoecal_core.estimation.series import Errors
 from shoecal_core.recording.errors import SessionError
 from shoecal_core.recording.session import Session

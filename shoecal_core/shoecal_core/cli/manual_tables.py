@@ -8,7 +8,7 @@ from rich.table import Table
 from shoecal_core.cli.tables import new_table
 from shoecal_core.estimation.assessment import NORMAL_95
 from shoecal_core.estimation.calibration import Calibration
-from shoecal_core.estimation.metrics import Mae
+from shoecal_core.estimation.series import Mae
 from shoecal_core.manual.calibrate import (
     CellsCalibration,
     FootResult,

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import json
+import re
 import time
 from collections.abc import Mapping
 from pathlib import Path
@@ -10,12 +12,11 @@ from pathlib import Path
 from rich.console import Console
 
 from shoecal_core.cli.arguments import add_shoe, refuse_exchanged, shoe_file
-from shoecal_core.cli.plan_folder import PlanFolder
+from shoecal_core.cli.assessment_table import weak_lines
 from shoecal_core.cli.planning_arguments import add_planning, chosen_supports, planner_settings
 from shoecal_core.cli.progress import shown_progress
-from shoecal_core.cli.weak_lines import weak_lines
 from shoecal_core.errors import FileTakenError, PartialError, ShoecalError
-from shoecal_core.files import atomic_write
+from shoecal_core.files import atomic_write, make_folder, system_error
 from shoecal_core.planning.checking.check import check_motion
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.planner import Planner
@@ -31,6 +32,53 @@ from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.shoe.shoe import Shoe, load_shoe
+
+PLAN = "plan.json"
+_OWN = re.compile(r"motion_\d{3,}\.(csv|svg)|plan\.html")
+"""Files that a plan may name; anything else is not ours to remove."""
+
+
+class PlanFolder:
+    """A folder that a plan is written into; made where there is none.
+
+    Raises:
+        FileError: when it cannot be made.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        make_folder(folder)
+        self._folder = folder
+        self._earlier = _named(_read(folder / PLAN))
+
+    def replace(self, plan: Mapping[str, object]) -> None:
+        """Write `plan.json`; files that only the earlier one names are removed before."""
+        for name in sorted(self._earlier - _named(plan)):
+            try:
+                (self._folder / name).unlink(missing_ok=True)
+            except OSError as error:
+                problem = "is of an earlier plan and cannot be removed"
+                raise system_error(self._folder / name, error, problem, "remove it") from error
+        atomic_write(self._folder / PLAN, json.dumps(plan, indent=1, allow_nan=False) + "\n")
+
+
+def _read(file: Path) -> object:
+    """Nothing where there is no plan that can be read."""
+    try:
+        return json.loads(file.read_bytes())
+    except (OSError, ValueError):
+        return None
+
+
+def _named(plan: object) -> set[str]:
+    """The plan's own files among all that it names."""
+    if not isinstance(plan, Mapping):
+        return set()
+    rows = plan.get("motions")
+    named = [plan.get("page")]
+    for row in rows if isinstance(rows, list) else ():
+        if isinstance(row, Mapping):
+            named += [row.get("file"), row.get("picture")]
+    return {name for name in named if isinstance(name, str) and _OWN.fullmatch(name)}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -13,8 +13,7 @@ from rich.table import Table
 from rich.text import Text
 
 from shoecal_core.estimation.calibration import Calibration
-from shoecal_core.estimation.metrics import Mae
-from shoecal_core.estimation.series import Errors
+from shoecal_core.estimation.series import Errors, Mae
 from shoecal_core.screening.verdict import split_reason
 from shoecal_core.shoe.shoe import FEET
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from shoecal_core.diagnosis.hidden import hidden_cop
+import numpy as np
+
 from shoecal_core.diagnosis.hypotheses import Form
 from shoecal_core.diagnosis.result import Cause, NamedHypothesis, Verdict
 from shoecal_core.diagnosis.scoring import Scored
@@ -23,6 +24,14 @@ from shoecal_core.diagnosis.sizes import sizes
 from shoecal_core.diagnosis.tempering import needed, shares, temper
 from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.error_sources.signals import COP, GRF
+
+
+def hidden_cop(workspace: Workspace, scored: Scored, index: int) -> float:
+    """Mean length of the CoP error that gains and offsets would make up for [m]."""
+    added = workspace.added(scored, scored.own(index))
+    absorbed = added - workspace.calibrated(added)
+    return float(np.linalg.norm(absorbed[workspace.signal_model.mask[:, 1]][:, COP], axis=1).mean())
+
 
 EXPLAINED_FROM = 0.6
 """Part of the excess that must go on runs left out for a gap to count as explained."""

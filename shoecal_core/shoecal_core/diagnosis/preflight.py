@@ -15,9 +15,8 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.diagnosis.hypotheses import Hypothesis
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.tempering import needed
@@ -113,7 +112,7 @@ def _missing_channels(workspace: Workspace) -> list[str]:
     return lines
 
 
-def _unseen(workspace: Workspace, seen: NDArray[np.bool_]) -> list[str]:
+def _unseen(workspace: Workspace, seen: BoolArray) -> list[str]:
     """One line an effect and foot, with how many of its places are concerned."""
     places: defaultdict[tuple[str, str], list[tuple[Hypothesis, bool]]] = defaultdict(list)
     for hypothesis, is_seen in zip(workspace.catalogue.hypotheses, seen, strict=True):

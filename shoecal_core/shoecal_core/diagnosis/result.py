@@ -6,10 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import BoolArray, FloatArray, IntArray
 from shoecal_core.samples.zeros import Zero
 
 FORMAT = 1
@@ -236,10 +233,10 @@ class Evidence:
     """
 
     signals: tuple[str, ...]
-    run: NDArray[np.int64]
+    run: IntArray
     time: FloatArray
-    test: NDArray[np.bool_]
-    loaded: NDArray[np.bool_]
+    test: BoolArray
+    loaded: BoolArray
     support: FloatArray
     cop: FloatArray
     foot_cop: FloatArray

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.diagnosis.result import Gap, Shrink
 from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.error_sources.signals import COP, GRF
@@ -98,7 +97,7 @@ def _fraction(before: float, after: float, count: float) -> float:
 def _squares(
     workspace: Workspace,
     rest: FloatArray,
-    rows: NDArray[np.bool_],
+    rows: BoolArray,
     part: slice = FORCE_AND_PLACE,
 ) -> FloatArray:
     """(k,) mean over GRF and CoP of the squares of each of some samples (T,), in noises."""

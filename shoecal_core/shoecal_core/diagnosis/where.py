@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import BoolArray, FloatArray, IntArray
 from shoecal_core.diagnosis.result import Where
 from shoecal_core.diagnosis.scoring import Scored
 from shoecal_core.diagnosis.shrink import judged_runs
@@ -76,7 +75,7 @@ def _events(chosen: Scored | None, phases: dict[int, str]) -> list[Where]:
     return found
 
 
-def _mostly(course: FloatArray, run: NDArray[np.int64], rows: NDArray[np.bool_]) -> int | None:
+def _mostly(course: FloatArray, run: IntArray, rows: BoolArray) -> int | None:
     numbers = np.unique(run[rows])
     sums = np.array([max(float(course[run == number].sum()), 0.0) for number in numbers])
     if len(numbers) < 2 or sums.max() < MOSTLY * sums.sum():

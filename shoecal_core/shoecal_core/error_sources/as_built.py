@@ -10,9 +10,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.error_sources.base import ALL, Effect, deviations
 from shoecal_core.error_sources.deviation import Deviation
 from shoecal_core.error_sources.effects import body, contact, geometry, places, timing
@@ -206,10 +205,10 @@ def plates_column(shoe: Shoe, side: str, axis: str) -> FloatArray:
     return change
 
 
-def _cells(shoe: Shoe, side: str) -> NDArray[np.int64]:
+def _cells(shoe: Shoe, side: str) -> IntArray:
     """Channels of a foot that feel its vertical force."""
     own = shoe.of_foot(FEET.index(side))
-    felt: NDArray[np.int64] = own[shoe.vertical[own]]
+    felt: IntArray = own[shoe.vertical[own]]
     return felt
 
 

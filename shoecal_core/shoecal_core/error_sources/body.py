@@ -6,9 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.robot.kinematics import BodyStates, Kinematics
 from shoecal_core.robot.robot import Robot, first_link
 from shoecal_core.samples.momentum import base_in_stance
@@ -48,7 +47,7 @@ def closure(states: BodyStates) -> FloatArray:
     )
 
 
-def up_in_sole(states: BodyStates, frame: NDArray[np.int64], up: FloatArray) -> FloatArray:
+def up_in_sole(states: BodyStates, frame: IntArray, up: FloatArray) -> FloatArray:
     """(T, 3) upwards in the stance's sole frame, from upwards in the base's (T, 3)."""
     left = np.einsum("tji,tj->ti", states.left_rotation, up)
     right = np.einsum("tji,tj->ti", states.rotation, left)

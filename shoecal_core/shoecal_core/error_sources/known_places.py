@@ -8,8 +8,8 @@ from functools import cached_property
 from typing import cast
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.base import Effect, Place
 from shoecal_core.error_sources.body import heavy_links
 from shoecal_core.error_sources.signal_model import SignalModel
@@ -20,7 +20,7 @@ from shoecal_core.shoe.shoe import Shoe
 @dataclass(frozen=True)
 class _HeavyLinks:
     names: tuple[str, ...]
-    mass: NDArray[np.float64]
+    mass: FloatArray
 
 
 @dataclass(frozen=True)

@@ -8,10 +8,9 @@ coefficients that are nearly independent whatever the noise's spectrum is.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.fft import dct
 
-from shoecal_core.arrays import BoolArray, FloatArray
+from shoecal_core.arrays import BoolArray, FloatArray, IntArray
 from shoecal_core.error_sources.signals import GRF
 from shoecal_core.samples.samples import Samples
 
@@ -42,7 +41,7 @@ class BandTransform:
         self.kept = np.zeros((count, signals), dtype=np.bool_)
         self.group = np.zeros((count, signals), dtype=np.int64)
         # Signals that are there in the same samples of a segment are transformed together.
-        self.parts: list[tuple[NDArray[np.int64], NDArray[np.int64]]] = []
+        self.parts: list[tuple[IntArray, IntArray]] = []
         for segment in np.unique(samples.segment):
             here = np.flatnonzero(samples.segment == segment)
             patterns, of = np.unique(mask[here], axis=1, return_inverse=True)
@@ -69,11 +68,11 @@ class BandTransform:
         return found
 
 
-def signals_of(groups: NDArray[np.int64]) -> NDArray[np.int64]:
+def signals_of(groups: IntArray) -> IntArray:
     """(G,) index of the signal of each group."""
     return groups // BANDS
 
 
-def frequencies_of(groups: NDArray[np.int64]) -> FloatArray:
+def frequencies_of(groups: IntArray) -> FloatArray:
     """(G,) middle of each group's band [Hz]."""
     return MIDDLE_HZ[groups % BANDS]

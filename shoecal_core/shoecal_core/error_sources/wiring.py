@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.shoe.wrench import to_left
 
@@ -22,7 +21,7 @@ class Wiring:
     """
 
     columns: FloatArray
-    foot: NDArray[np.int64]
+    foot: IntArray
 
     def of_foot(self, foot: int) -> FloatArray:
         """(n, 3) in that foot's sole frame; those of the other foot zero."""

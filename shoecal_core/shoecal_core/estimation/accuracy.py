@@ -14,8 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from shoecal_core.arrays import FloatArray
-from shoecal_core.estimation.metrics import Mae
-from shoecal_core.estimation.series import Errors, Series
+from shoecal_core.estimation.series import Errors, Mae, Series
 from shoecal_core.robot.robot import Robot
 from shoecal_core.screening.verdict import VERDICTS, Finding
 from shoecal_core.shoe.shoe import FEET

@@ -14,9 +14,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.estimation.expected import ErrorModel, Spread
 from shoecal_core.estimation.joint_fit import JointFit
 
@@ -131,7 +130,7 @@ def _credible(shares: FloatArray) -> FloatArray:
     return ordered[[first, first + held]]
 
 
-def unknowns(fit: JointFit) -> dict[str, NDArray[np.int64]]:
+def unknowns(fit: JointFit) -> dict[str, IntArray]:
     """(k,) indices of the unknowns of each kind of source."""
     first = len(fit.vector)
     found: dict[str, list[int]] = {PRIOR: list(range(first - 1)), "time_offset": [first - 1]}
@@ -192,9 +191,7 @@ def _gains(fit: JointFit, jacobian: FloatArray) -> FloatArray:
     return gains
 
 
-def _expected(
-    fit: JointFit, jacobian: FloatArray, groups: dict[str, NDArray[np.int64]]
-) -> FloatArray:
+def _expected(fit: JointFit, jacobian: FloatArray, groups: dict[str, IntArray]) -> FloatArray:
     """(g + 1,) mean squares of the groups and of noise, before anything was recorded."""
     by = 2.0 * np.mean((_gains(fit, jacobian) * fit.prior_std) ** 2, axis=0)
     parts = [float(by[indices].sum()) for indices in groups.values()]
@@ -211,7 +208,7 @@ def _draws(fit: JointFit) -> FloatArray:
 
 
 def _parts(
-    fit: JointFit, jacobian: FloatArray, groups: dict[str, NDArray[np.int64]], wrong: FloatArray
+    fit: JointFit, jacobian: FloatArray, groups: dict[str, IntArray], wrong: FloatArray
 ) -> FloatArray:
     """(g + 1, d) mean squares of the groups and of noise, for errors (u, d)."""
     estimate = np.concatenate((fit.away, [one.value for one in fit.deviations]))
@@ -222,7 +219,7 @@ def _parts(
     return np.array([2.0 * np.mean(one**2, axis=0) for one in parts])
 
 
-def _conditional(covariance: FloatArray, known: NDArray[np.int64]) -> FloatArray:
+def _conditional(covariance: FloatArray, known: IntArray) -> FloatArray:
     """Covariance of all unknowns once some are known exactly."""
     own = covariance[np.ix_(known, known)]
     across = covariance[:, known]

@@ -7,7 +7,6 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import FileError, ShapeError, ShoecalError
@@ -114,19 +113,19 @@ class Calibration:
         return datetime.fromtimestamp(self.made_ns // 10**9, UTC)
 
     @property
-    def gain_std(self) -> NDArray[np.float64] | None:
+    def gain_std(self) -> FloatArray | None:
         """(n,) standard deviations of the gains; None where they are not known."""
         if self.covariance is None:
             return None
-        std: NDArray[np.float64] = np.sqrt(np.diag(self.covariance)[: len(self.channels)])
+        std: FloatArray = np.sqrt(np.diag(self.covariance)[: len(self.channels)])
         return std
 
     @property
-    def offset_std(self) -> NDArray[np.float64] | None:
+    def offset_std(self) -> FloatArray | None:
         """(n,) standard deviations of the offsets [N or N m]; None where they are not known."""
         if self.covariance is None:
             return None
-        std: NDArray[np.float64] = np.sqrt(np.diag(self.covariance)[len(self.channels) :])
+        std: FloatArray = np.sqrt(np.diag(self.covariance)[len(self.channels) :])
         return std
 
     def calibrated(self, shoe: Shoe) -> Shoe:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import IntArray
 from shoecal_core.estimation.known import Since
 from shoecal_core.planning.supports.identifiability import Identifiability
 from shoecal_core.recording.session import missing_text
@@ -26,9 +26,7 @@ MOST_DIRECTIONS = 3
 """Directions without data in one reason; the report draws them all."""
 
 
-def check_gains(
-    shoe: Shoe, polarity: NDArray[np.int64], parameters: ChannelParameters
-) -> list[Finding]:
+def check_gains(shoe: Shoe, polarity: IntArray, parameters: ChannelParameters) -> list[Finding]:
     """Gains of the wrong sign or of a size unlike the others'.
 
     Args:

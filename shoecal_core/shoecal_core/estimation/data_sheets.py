@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.estimation.weight import Weighed
 from shoecal_core.robot.robot import Robot
 from shoecal_core.screening.verdict import Finding
@@ -47,7 +46,7 @@ def contradicts(shoe: Shoe, parameters: ChannelParameters, sheet_std: float) -> 
     return bool(len(_far(sheet_ratios(shoe, parameters), sheet_std)))
 
 
-def _far(ratio: FloatArray, sheet_std: float) -> NDArray[np.int64]:
+def _far(ratio: FloatArray, sheet_std: float) -> IntArray:
     """Channels whose gains contradict their data sheets; where there is none, none does."""
     return np.flatnonzero(np.abs(ratio - 1.0) > CONFLICT_STDS * sheet_std)
 

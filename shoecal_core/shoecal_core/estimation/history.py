@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import BoolArray, FloatArray, IntArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.calibration import (
     Calibration,
@@ -55,17 +54,17 @@ class HistoryEntry:
     offset_change_std: FloatArray
 
     @property
-    def gain_beyond(self) -> NDArray[np.bool_]:
+    def gain_beyond(self) -> BoolArray:
         """(n,) gains that changed by more than 2 standard deviations."""
         return np.asarray(np.abs(self.gain_change) > SURE_STDS * self.gain_change_std)
 
     @property
-    def offset_beyond(self) -> NDArray[np.bool_]:
+    def offset_beyond(self) -> BoolArray:
         """(n,) offsets that changed by more than 2 standard deviations."""
         return np.asarray(np.abs(self.offset_change) > SURE_STDS * self.offset_change_std)
 
     @property
-    def force_channels(self) -> NDArray[np.int64]:
+    def force_channels(self) -> IntArray:
         """(k,) indices of the channels whose offsets are forces."""
         names = self.calibration.channels
         return np.flatnonzero([name.rpartition("/")[2] not in TORQUE_AXES for name in names])

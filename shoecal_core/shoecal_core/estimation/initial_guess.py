@@ -11,9 +11,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.chunks import chunks
 from shoecal_core.samples.stance import Stance
@@ -33,7 +32,7 @@ class InitialGuess:
     """
 
     parameters: ChannelParameters
-    polarity: NDArray[np.int64]
+    polarity: IntArray
     gain: float
     offset: float
 
@@ -100,7 +99,7 @@ def _common_law(matrix: FloatArray, target: FloatArray) -> tuple[float, float]:
     return float(c0), float(d0)
 
 
-def _polarity(stances: Sequence[Stance]) -> NDArray[np.int64]:
+def _polarity(stances: Sequence[Stance]) -> IntArray:
     """Signs of the gains from the data alone.
 
     The same rows with one gain and one offset a channel are linear; what the data leave open

@@ -15,10 +15,9 @@ from dataclasses import dataclass, replace
 from enum import Enum
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.error_sources.deviation import Deviation
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import (
@@ -61,7 +60,7 @@ class KnownShoe:
     parameters: ChannelParameters
     covariance: FloatArray
     outputs: FloatArray
-    foot: NDArray[np.int64]
+    foot: IntArray
     cop: FloatArray
     std: float
     zero_drift: float

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.error_sources.as_built import of_shoes
 from shoecal_core.error_sources.deviation import Deviation
 from shoecal_core.error_sources.posterior import Posterior
@@ -47,7 +46,7 @@ class LinearSystem:
     def at(
         cls,
         signal_model: SignalModel,
-        fitted: NDArray[np.bool_],
+        fitted: BoolArray,
         guess: ChannelParameters,
         own_std: FloatArray,
         late: FloatArray,

@@ -22,9 +22,8 @@ from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.samples.aligned import Aligned, align
-from shoecal_core.samples.clocks import check_clocks
 from shoecal_core.samples.filters import at_times
-from shoecal_core.samples.missing import missing
+from shoecal_core.samples.missing import check_clocks, missing
 from shoecal_core.samples.samples import Samples
 from shoecal_core.samples.sampling import make_samples
 from shoecal_core.samples.settings import SampleSettings

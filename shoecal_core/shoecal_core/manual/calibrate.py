@@ -12,7 +12,7 @@ from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.estimation.correction_fit import MINIMUM_GAIN
-from shoecal_core.estimation.metrics import Mae, cop_mae, grf_mae
+from shoecal_core.estimation.series import Mae, cop_mae, grf_mae
 from shoecal_core.manual.assembly import assembled
 from shoecal_core.manual.cells import CellFit, fit_cells, law
 from shoecal_core.manual.checks import (

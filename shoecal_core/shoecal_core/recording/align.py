@@ -6,20 +6,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import BoolArray, FloatArray, IntArray
 from shoecal_core.errors import NameNotFoundError
-from shoecal_core.recording.run import Floats, JointSamples
+from shoecal_core.recording.run import JointSamples
 
 
 def interpolate_joints(
     joints: JointSamples,
-    times: Floats,
+    times: FloatArray,
     max_gap_s: float,
     *,
     late_s: float = 0.0,
     names: Sequence[str] | None = None,
-) -> tuple[Floats, NDArray[np.bool_]]:
+) -> tuple[FloatArray, BoolArray]:
     """Joint angles at given times, linearly between samples and never beyond them.
 
     Args:
@@ -67,12 +67,12 @@ class Bracket:
         valid: (T,) False in gaps and outside the samples' time.
     """
 
-    before: NDArray[np.int64]
-    after: NDArray[np.int64]
-    fraction: Floats
-    valid: NDArray[np.bool_]
+    before: IntArray
+    after: IntArray
+    fraction: FloatArray
+    valid: BoolArray
 
-    def interpolate(self, values: Floats) -> Floats:
+    def interpolate(self, values: FloatArray) -> FloatArray:
         """Values (k, c) of the samples at the wanted times (T, c), same unit; NaN where invalid."""
         start = values[self.before]
         found = start + self.fraction[:, None] * (values[self.after] - start)
@@ -80,7 +80,7 @@ class Bracket:
         return found
 
 
-def bracket(time: Floats, wanted: Floats, max_gap: float) -> Bracket:
+def bracket(time: FloatArray, wanted: FloatArray, max_gap: float) -> Bracket:
     """The samples around wanted times.
 
     Args:

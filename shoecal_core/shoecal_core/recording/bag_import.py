@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import FieldError
 from shoecal_core.recording import foreign, messages, schemas
 from shoecal_core.recording.bag import Bag, BagMessage
@@ -24,7 +24,7 @@ from shoecal_core.recording.bag_mapping import (
     load_bag_mapping,
 )
 from shoecal_core.recording.errors import RecordingError
-from shoecal_core.recording.foreign import Floats, ImportedRun, StampedMessage, Stamps
+from shoecal_core.recording.foreign import ImportedRun, StampedMessage, Stamps
 from shoecal_core.recording.imported_angles import check_angles
 from shoecal_core.recording.join import in_order, two_orders, two_orders_text
 from shoecal_core.recording.names import without_prefix
@@ -89,9 +89,9 @@ class _Samples:
 
     frame: str = ""
     stamps: list[int] = field(default_factory=list)
-    rows: list[Sequence[float] | NDArray[np.float64]] = field(default_factory=list)
+    rows: list[Sequence[float] | FloatArray] = field(default_factory=list)
 
-    def ordered(self) -> tuple[Stamps, Floats]:
+    def ordered(self) -> tuple[Stamps, FloatArray]:
         """Stamps (T,) [ns] that increase, and rows (T, k) in the message's units."""
         stamps = np.array(self.stamps, dtype=np.int64)
         kept = in_order(stamps)
@@ -378,7 +378,7 @@ class _Importer:
         return foreign.base_poses(kept, frame, position, quaternion)
 
 
-def _base_T_link(mapping: BagMapping) -> tuple[Floats, Floats]:
+def _base_T_link(mapping: BagMapping) -> tuple[FloatArray, FloatArray]:
     """Rotation (3, 3) and place (3,) [m] of the URDF's root in the link that the poses are of."""
     link = None if mapping.base_pose is None else mapping.base_pose.link
     if link is None:

@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.files import Fields, read_yaml
 from shoecal_core.recording.foreign import (
     ANGLE_UNIT,
@@ -57,7 +57,7 @@ class WrenchTopic:
     """
 
     topic: str
-    rotation: NDArray[np.float64]
+    rotation: FloatArray
 
 
 @dataclass(frozen=True)

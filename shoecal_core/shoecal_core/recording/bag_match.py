@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.recording.bag import Bag
 from shoecal_core.recording.bag_fields import (
     LOLA_JOINTS,
@@ -60,7 +60,7 @@ class TopicContent:
     frames: tuple[str, ...]
     children: tuple[str, ...]
     names: tuple[str, ...]
-    force: NDArray[np.float64]
+    force: FloatArray
     offset_s: float | None
     numbers: tuple[str, ...] = ()
 
@@ -354,7 +354,7 @@ def match_wrench(
     return Match((fitting[0],), extra=extra, notes=tuple(notes))
 
 
-def _sole_R_sensor(robot: Robot, foot: int, frame: str) -> NDArray[np.float64] | None:
+def _sole_R_sensor(robot: Robot, foot: int, frame: str) -> FloatArray | None:
     """(3, 3) turns vectors of a sensor's frame into the sole's; None where not on the foot."""
     if _parent_joint(robot, frame) != robot.feet[foot].joint:
         return None

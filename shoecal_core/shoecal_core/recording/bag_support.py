@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.recording.bag import Bag
 from shoecal_core.recording.bag_fields import table
 from shoecal_core.recording.bag_match import Match
@@ -123,7 +123,7 @@ def _series(
     bag: Bag, joints: Match, robot: Robot, span: tuple[float, float] | None
 ) -> dict[str, JointSeries]:
     """Angles of the robot's joints by when they were received, since the bag's start."""
-    named: dict[str, list[tuple[Sequence[str], float, NDArray[np.float64]]]] = defaultdict(list)
+    named: dict[str, list[tuple[Sequence[str], float, FloatArray]]] = defaultdict(list)
     for message in bag.messages(joints.topics, *_ends(bag, span)):
         fields = joints.fields.get(message.topic)
         if fields is None:
@@ -135,7 +135,7 @@ def _series(
         if len(position) == len(names):
             time = 1e-9 * (message.received_ns - bag.start_ns)
             named["\n".join(names)].append((names, time, np.asarray(position, dtype=np.float64)))
-    pieces: dict[str, list[tuple[NDArray[np.float64], NDArray[np.float64]]]] = defaultdict(list)
+    pieces: dict[str, list[tuple[FloatArray, FloatArray]]] = defaultdict(list)
     for rows in named.values():
         times = np.array([row[1] for row in rows])
         position = np.stack([row[2] for row in rows])
@@ -150,8 +150,8 @@ def _both_carry_load(
     cells: Match,
     shoe: Shoe,
     span: tuple[float, float] | None,
-    instants: NDArray[np.float64],
-) -> NDArray[np.bool_] | None:
+    instants: FloatArray,
+) -> BoolArray | None:
     """(T,) both feet carry load at instants since the bag's start [s]; None: that is not known."""
     rows: dict[str, list[tuple[float, float]]] = defaultdict(list)
     for message in bag.messages(cells.topics, *_ends(bag, span)):

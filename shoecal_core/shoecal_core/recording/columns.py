@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from rosbags.interfaces import Nodetype
 from rosbags.interfaces.typing import FieldDesc
 
+from shoecal_core.arrays import BoolArray, FloatArray, IntArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.recording.schemas import typestore
 
@@ -37,12 +38,12 @@ class Block:
         numbers: (k, count) by dotted field path.
     """
 
-    index: NDArray[np.int64]
+    index: IntArray
     texts: Mapping[str, tuple[str, ...]]
-    numbers: Mapping[str, NDArray[np.float64]]
+    numbers: Mapping[str, FloatArray]
 
     @property
-    def stamp_ns(self) -> NDArray[np.int64]:
+    def stamp_ns(self) -> IntArray:
         """(k,) header stamps [ns]; zero where the sender set none."""
         sec = self.numbers["header.stamp.sec"][:, 0].astype(np.int64)
         nanosec = self.numbers["header.stamp.nanosec"][:, 0].astype(np.int64)
@@ -53,11 +54,11 @@ class Block:
         """Of the header."""
         return self.texts["header.frame_id"][0]
 
-    def group(self, *paths: str) -> NDArray[np.float64]:
+    def group(self, *paths: str) -> FloatArray:
         """(k, c) numbers of several fields, column by column."""
         return np.hstack([self.numbers[path] for path in paths])
 
-    def take(self, rows: NDArray[np.bool_]) -> Block:
+    def take(self, rows: BoolArray) -> Block:
         """Those of the messages that a mask (k,) chooses."""
         numbers = {path: values[rows] for path, values in self.numbers.items()}
         return Block(self.index[rows], self.texts, numbers)
@@ -117,7 +118,7 @@ class _Layout:
             raise ShoecalError(f"not a {type_name} ({error})") from error
         self.key = np.concatenate([np.arange(part.start, part.stop) for part in self._key])
 
-    def cut(self, rows: NDArray[np.uint8]) -> dict[str, NDArray[np.float64]]:
+    def cut(self, rows: NDArray[np.uint8]) -> dict[str, FloatArray]:
         """Numbers of messages (k, bytes) that share this layout."""
         numbers = {}
         for path, field in self._fields.items():

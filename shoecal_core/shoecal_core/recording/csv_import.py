@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.errors import FieldError
 from shoecal_core.recording import foreign, messages
 from shoecal_core.recording.csv_mapping import (
@@ -23,7 +23,7 @@ from shoecal_core.recording.csv_mapping import (
     load_mapping,
 )
 from shoecal_core.recording.csv_table import CsvColumn, CsvTable
-from shoecal_core.recording.foreign import Floats, ImportedRun, StampedMessage, Stamps
+from shoecal_core.recording.foreign import ImportedRun, StampedMessage, Stamps
 from shoecal_core.recording.imported_angles import (
     check_angles,
     no_angles,
@@ -77,9 +77,9 @@ class _Rows:
 
     table: CsvTable
     stamps: Stamps
-    kept: NDArray[np.int64]
+    kept: IntArray
 
-    def read(self, columns: tuple[CsvColumn, ...], notes: list[str]) -> Floats:
+    def read(self, columns: tuple[CsvColumn, ...], notes: list[str]) -> FloatArray:
         """(T, c) numbers, NaN for those that are not there; how many these are is noted."""
         found = self.table.read_all(columns, gaps=True)[self.kept]
         missing = np.isnan(found).sum(axis=0)
@@ -93,7 +93,7 @@ class _Rows:
 
     def read_whole(
         self, groups: Sequence[tuple[CsvColumn, ...]], notes: list[str]
-    ) -> tuple[Stamps, list[Floats]]:
+    ) -> tuple[Stamps, list[FloatArray]]:
         """Stamps (k,) of the rows that have all values, and (k, c) numbers of each group.
 
         Raises:

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import numpy as np
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import FieldError, FileSyntaxError
 from shoecal_core.files import read_error
-from shoecal_core.recording.run import Floats
 
 NO_VALUE = frozenset(("", "nan", "na", "n/a", "null", "none"))
 """What stands in a table where there is no value, in small letters."""
@@ -91,7 +91,7 @@ class CsvTable:
     def __len__(self) -> int:
         return len(self._rows)
 
-    def read(self, column: CsvColumn, *, gaps: bool = False) -> Floats:
+    def read(self, column: CsvColumn, *, gaps: bool = False) -> FloatArray:
         """Numbers (T,) of a column, scaled.
 
         Args:
@@ -145,7 +145,7 @@ class CsvTable:
             return f"{fault}; skip a row of units below the header with 'lines_after_header: 1'"
         return f"{fault}; leave the value empty where there is none, or correct the file"
 
-    def read_all(self, columns: tuple[CsvColumn, ...], *, gaps: bool = False) -> Floats:
+    def read_all(self, columns: tuple[CsvColumn, ...], *, gaps: bool = False) -> FloatArray:
         """Numbers (T, c) of several columns; see `read`."""
         return np.column_stack([self.read(column, gaps=gaps) for column in columns])
 

@@ -8,8 +8,8 @@ from operator import attrgetter
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import BoolArray, FloatArray, IntArray
 from shoecal_core.errors import FieldError, FileTooLargeError
 from shoecal_core.files import Fields
 from shoecal_core.recording import messages, schemas
@@ -22,8 +22,7 @@ from shoecal_core.recording.session import Session
 from shoecal_core.robot.double_support import DoubleSupport, read_support
 from shoecal_core.shoe.shoe import AXES, FEET, Shoe
 
-Floats = NDArray[np.float64]
-Stamps = NDArray[np.int64]
+Stamps = IntArray
 
 UNIT_TOLERANCE = 0.1
 """Lengths of quaternions that count differ from one by less."""
@@ -179,12 +178,12 @@ def write_session(out: Path, files: MappedFiles, runs: Sequence[ImportedRun]) ->
 
 
 def joint_states(
-    stamps: Stamps, names: Sequence[str], position: Floats, effort: Floats | None = None
+    stamps: Stamps, names: Sequence[str], position: FloatArray, effort: FloatArray | None = None
 ) -> list[StampedMessage]:
     """/joint_states: position (T, m) [rad] and effort (T, m) [N m] at stamps (T,) [ns]."""
     count = len(names)
 
-    def one(stamp: int, values: Floats) -> bytes:
+    def one(stamp: int, values: FloatArray) -> bytes:
         """Positions, then efforts if any: (m,) or (2m,)."""
         return messages.joint_state(
             stamp, names, values[:count], None if effort is None else values[count:]
@@ -195,12 +194,12 @@ def joint_states(
 
 
 def wrenches(
-    foot: str, stamps: Stamps, frame: str, force: Floats, torque: Floats
+    foot: str, stamps: Stamps, frame: str, force: FloatArray, torque: FloatArray
 ) -> list[StampedMessage]:
     """/ft/left or /ft/right: force (T, 3) [N], torque (T, 3) [N m] at stamps (T,) [ns]."""
     topic = schemas.FORCE_TORQUE[FEET.index(foot)]
 
-    def one(stamp: int, values: Floats) -> bytes:
+    def one(stamp: int, values: FloatArray) -> bytes:
         """Force, then torque: (6,)."""
         return messages.wrench(stamp, frame, values[:3], values[3:])
 
@@ -208,8 +207,8 @@ def wrenches(
 
 
 def whole_poses(
-    source: Path, name: str, position: Floats, quaternion: Floats, notes: list[str]
-) -> NDArray[np.bool_]:
+    source: Path, name: str, position: FloatArray, quaternion: FloatArray, notes: list[str]
+) -> BoolArray:
     """Which poses (T,) count: numbers, and quaternions x y z w (T, 4) of unit length.
 
     Others are noted.
@@ -218,9 +217,7 @@ def whole_poses(
         RecordingError: where none counts.
     """
     length = np.linalg.norm(quaternion, axis=1)
-    good: NDArray[np.bool_] = np.isfinite(position).all(axis=1) & (
-        np.abs(length - 1.0) < UNIT_TOLERANCE
-    )
+    good: BoolArray = np.isfinite(position).all(axis=1) & (np.abs(length - 1.0) < UNIT_TOLERANCE)
     if not good.any():
         raise RecordingError(
             source,
@@ -234,11 +231,11 @@ def whole_poses(
 
 
 def base_poses(
-    stamps: Stamps, frame: str, position: Floats, quaternion: Floats
+    stamps: Stamps, frame: str, position: FloatArray, quaternion: FloatArray
 ) -> list[StampedMessage]:
     """/base_pose: position (T, 3) [m], quaternion (T, 4) x y z w in `frame`."""
 
-    def one(stamp: int, values: Floats) -> bytes:
+    def one(stamp: int, values: FloatArray) -> bytes:
         """Position, then quaternion: (7,)."""
         return messages.pose(stamp, frame, values[:3], values[3:])
 
@@ -248,11 +245,15 @@ def base_poses(
 
 
 def imu(
-    stamps: Stamps, frame: str, quaternion: Floats | None, rate: Floats, acceleration: Floats
+    stamps: Stamps,
+    frame: str,
+    quaternion: FloatArray | None,
+    rate: FloatArray,
+    acceleration: FloatArray,
 ) -> list[StampedMessage]:
     """/imu: orientation (T, 4) x y z w or None, rate (T, 3) [rad/s], (T, 3) [m/s^2] in `frame`."""
 
-    def one(stamp: int, values: Floats) -> bytes:
+    def one(stamp: int, values: FloatArray) -> bytes:
         """Rate, acceleration, then the quaternion if any: (6,) or (10,)."""
         orientation = None if quaternion is None else values[6:]
         return messages.imu(stamp, frame, orientation, values[:3], values[3:6])
@@ -261,7 +262,7 @@ def imu(
     return _stamped(schemas.IMU, stamps, series(one, stamps, np.hstack(values)))
 
 
-def voltages(stamps: Stamps, cells: Sequence[str], values: Floats) -> list[StampedMessage]:
+def voltages(stamps: Stamps, cells: Sequence[str], values: FloatArray) -> list[StampedMessage]:
     """/shoe/voltages: readings (T, k) of k cells at stamps (T,) [ns]; NaN is status NO_DATA."""
     status = np.where(np.isfinite(values), schemas.GOOD, schemas.NO_DATA)
     data = [

@@ -9,14 +9,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.errors import FieldError, FileError
 from shoecal_core.files import read_yaml
 from shoecal_core.recording import schemas
 from shoecal_core.recording.columns import Block, decode_columns
 from shoecal_core.recording.errors import RecordingError
-from shoecal_core.recording.foreign import Floats, ImportedRun, MappedFiles
+from shoecal_core.recording.foreign import ImportedRun, MappedFiles
 from shoecal_core.recording.info import HANGING
 from shoecal_core.recording.joint_series import (
     JointSeries,
@@ -120,7 +120,7 @@ def _blocks(run: ImportedRun, topic: str) -> list[Block]:
 
 def _angles(run: ImportedRun) -> dict[str, JointSeries]:
     """Of the joints, by stamps since 1970 [s]."""
-    pieces: dict[str, list[tuple[Floats, Floats]]] = {}
+    pieces: dict[str, list[tuple[FloatArray, FloatArray]]] = {}
     for block in _blocks(run, schemas.JOINT_STATES):
         for name, position in zip(block.texts["name"], block.numbers["position"].T, strict=True):
             pieces.setdefault(name, []).append((block.stamp_ns / 1e9, position))
@@ -196,9 +196,9 @@ class _Feet:
         return cls(states.support(), loop, loaded)
 
 
-def _both_carry_load(run: ImportedRun, shoe: Shoe, instants: Floats) -> NDArray[np.bool_] | None:
+def _both_carry_load(run: ImportedRun, shoe: Shoe, instants: FloatArray) -> BoolArray | None:
     """(T,) both feet carry load at instants since 1970 [s]; None: that is not known."""
-    pieces: dict[str, list[tuple[Floats, Floats]]] = {}
+    pieces: dict[str, list[tuple[FloatArray, FloatArray]]] = {}
     for block in _blocks(run, schemas.VOLTAGES):
         for name, values in zip(block.texts["cell"], block.numbers["voltage"].T, strict=False):
             pieces.setdefault(name, []).append((block.stamp_ns / 1e9, values))

@@ -8,12 +8,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import BoolArray, FloatArray, IntArray
 from shoecal_core.recording.align import bracket
-
-Floats = NDArray[np.float64]
-
 
 LINEAR = ("value", "temperature")
 MAX_GAP_S = 0.1
@@ -33,9 +30,9 @@ class Piece:
         values: (k, c) by quantity.
     """
 
-    stamp_ns: NDArray[np.int64]
-    columns: NDArray[np.int64]
-    values: dict[str, NDArray[np.float64]]
+    stamp_ns: IntArray
+    columns: IntArray
+    values: dict[str, FloatArray]
 
 
 class OverlapError(Exception):
@@ -53,7 +50,7 @@ class OverlapError(Exception):
 
 
 def two_orders(
-    groups: Sequence[tuple[Sequence[str], NDArray[np.int64]]],
+    groups: Sequence[tuple[Sequence[str], IntArray]],
 ) -> tuple[str, tuple[Sequence[str], Sequence[str]]] | None:
     """A name that two senders send in turns, and their lists of names; None without one.
 
@@ -81,7 +78,7 @@ def two_orders_text(name: str, lists: tuple[Sequence[str], Sequence[str]]) -> st
     )
 
 
-def in_order(stamp_ns: NDArray[np.int64]) -> NDArray[np.bool_]:
+def in_order(stamp_ns: IntArray) -> BoolArray:
     """(k,) mask of samples to keep: as many as can be whose stamps (k,) [ns] increase.
 
     So one stamp far ahead is left out, not all that follow it.
@@ -110,7 +107,7 @@ def in_order(stamp_ns: NDArray[np.int64]) -> NDArray[np.bool_]:
 
 def join(
     pieces: Sequence[Piece], width: int, quantities: Sequence[str]
-) -> tuple[NDArray[np.int64], dict[str, NDArray[np.float64]]]:
+) -> tuple[IntArray, dict[str, FloatArray]]:
     """Put pieces together by equal stamps.
 
     Returns:
@@ -169,8 +166,8 @@ def at_common_instants(
 
 
 def _resampled(
-    stamps: NDArray[np.int64], values: Mapping[str, Floats], wanted: NDArray[np.int64]
-) -> dict[str, Floats]:
+    stamps: IntArray, values: Mapping[str, FloatArray], wanted: IntArray
+) -> dict[str, FloatArray]:
     """Values (k, c) of stamps (k,) [ns] at wanted stamps (T,) [ns]: (T, c)."""
     time, times = 1e-9 * (stamps - stamps[0]), 1e-9 * (wanted - stamps[0])
     period = float(np.median(np.diff(time))) if len(time) > 1 else 0.0

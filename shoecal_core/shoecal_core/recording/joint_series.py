@@ -7,12 +7,11 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from shoecal_core.recording.run import Floats
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.robot.robot import JointsMissingError, Robot
 
-Bools = NDArray[np.bool_]
+Bools = BoolArray
 
 JUMP_RAD = 0.1
 """Angles that are exactly zero between two that are farther off are no motion."""
@@ -36,8 +35,8 @@ class JointSeries:
         angle: (k,) NaN where there is no number [rad].
     """
 
-    time: Floats
-    angle: Floats
+    time: FloatArray
+    angle: FloatArray
 
     def only(self, kept: Bools) -> JointSeries:
         """The samples of a mask (k,)."""
@@ -48,7 +47,9 @@ Series = Mapping[str, JointSeries]
 """By joint."""
 
 
-def from_pieces(pieces: Mapping[str, Sequence[tuple[Floats, Floats]]]) -> dict[str, JointSeries]:
+def from_pieces(
+    pieces: Mapping[str, Sequence[tuple[FloatArray, FloatArray]]],
+) -> dict[str, JointSeries]:
     """Series of times (k,) [s] and angles (k,) [rad] in any order, by joint."""
     found = {}
     for name, parts in pieces.items():
@@ -184,7 +185,7 @@ def named(names: Sequence[str]) -> str:
     return f"{'joint' if len(names) == 1 else 'joints'} {listed}{more}"
 
 
-def postures(series: Series, robot: Robot, count: int) -> tuple[Floats, Floats]:
+def postures(series: Series, robot: Robot, count: int) -> tuple[FloatArray, FloatArray]:
     """Times (T,) [s] and angles of all joints (T, m) [rad] at `count` instants, evenly.
 
     Joints that no foot hangs on are taken at the robot's posture where they have no angle.

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from shoecal_core.recording.run import Floats
+from shoecal_core.arrays import FloatArray
 
 BEYOND_RAD = 0.1
 """A joint whose zero is a little off misses its limits by less."""
@@ -14,7 +14,7 @@ FAR_RAD = 1.0
 """No joint is so far beyond its limits: its angles have another unit."""
 
 
-def beyond_limits(joint: str, position: Floats, low: float, high: float) -> str:
+def beyond_limits(joint: str, position: FloatArray, low: float, high: float) -> str:
     """What is beyond a joint's limits, in words; empty where nothing is.
 
     Args:
@@ -31,7 +31,7 @@ def beyond_limits(joint: str, position: Floats, low: float, high: float) -> str:
     )
 
 
-def in_degrees(position: Floats, low: float, high: float) -> bool:
+def in_degrees(position: FloatArray, low: float, high: float) -> bool:
     """Whether angles (T,) are far beyond limits [rad] that they are within as degrees."""
     return bool(
         high - low < math.tau  # joints without an end may have turned round and round
@@ -40,6 +40,6 @@ def in_degrees(position: Floats, low: float, high: float) -> bool:
     )
 
 
-def _beyond(position: Floats, low: float, high: float) -> Floats:
+def _beyond(position: FloatArray, low: float, high: float) -> FloatArray:
     """How far angles (T,) are beyond limits; negative within."""
     return np.fmax(low - position, position - high)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from rosbags.typesys.stores import ros2_jazzy as ros
 
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.errors import ShapeError, ShoecalError
 from shoecal_core.recording.schemas import SHOE_VOLTAGES_TYPE, typestore
 
@@ -157,9 +158,9 @@ def joint_trajectory(
 
 
 def series(
-    one: Callable[[int, NDArray[np.float64]], bytes],
-    stamps: NDArray[np.int64],
-    values: NDArray[np.float64],
+    one: Callable[[int, FloatArray], bytes],
+    stamps: IntArray,
+    values: FloatArray,
 ) -> list[bytes]:
     """Messages that differ in their stamp and in numbers alone.
 
@@ -182,7 +183,7 @@ def series(
         return []
     if stamps.min() < 0 or stamps.max() >= 2**31 * SECOND_NS:
         raise ShoecalError(f"stamps {stamps.min()} to {stamps.max()} ns: must be 0 to 2^31 s")
-    marks: NDArray[np.float64] = np.pi * 1e7 + np.arange(values.shape[1], dtype=np.float64)
+    marks: FloatArray = np.pi * 1e7 + np.arange(values.shape[1], dtype=np.float64)
     template = one(_SECONDS * SECOND_NS + _NANOSECONDS, marks)
     rows = np.tile(np.frombuffer(template, dtype=np.uint8), (len(stamps), 1))
     seconds, nanoseconds = np.divmod(stamps, SECOND_NS)
@@ -210,7 +211,7 @@ def _header(stamp_ns: int, frame_id: str) -> ros.std_msgs__msg__Header:
     return ros.std_msgs__msg__Header(stamp=stamp, frame_id=frame_id)
 
 
-def _vector(name: str, values: ArrayLike, length: int) -> NDArray[np.float64]:
+def _vector(name: str, values: ArrayLike, length: int) -> FloatArray:
     array = np.array(values, dtype=np.float64)
     if array.shape != (length,):
         raise ShapeError(name, f"({length},)", array.shape)

@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from rosbags.serde import SerdeError
 from rosbags.typesys.stores.ros2_jazzy import (
     trajectory_msgs__msg__JointTrajectory as JointTrajectory,
 )
 
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.recording import schemas
 from shoecal_core.recording.columns import Block
@@ -25,7 +25,6 @@ from shoecal_core.recording.joint_series import (
 from shoecal_core.recording.readings import make_readings, read_readings
 from shoecal_core.recording.run import (
     CommandedTrajectory,
-    Floats,
     ImuSamples,
     JointSamples,
     PoseSamples,
@@ -76,12 +75,14 @@ def read_run(path: Path, shoe: Shoe) -> Run:
     )
 
 
-def seconds(stamp_ns: NDArray[np.int64], start_ns: int) -> Floats:
+def seconds(stamp_ns: IntArray, start_ns: int) -> FloatArray:
     """Stamps (T,) as times since the start [s]."""
     return (stamp_ns - start_ns) / 1e9
 
 
-def _joints(source: RecordedSource) -> tuple[NDArray[np.int64], tuple[str, ...], dict[str, Floats]]:
+def _joints(
+    source: RecordedSource,
+) -> tuple[IntArray, tuple[str, ...], dict[str, FloatArray]]:
     topic = schemas.JOINT_STATES
     blocks = source.blocks(topic)
     names = tuple(dict.fromkeys(name for block in blocks for name in block.texts["name"]))
@@ -119,9 +120,7 @@ def _joints(source: RecordedSource) -> tuple[NDArray[np.int64], tuple[str, ...],
     return stamps, names, joined
 
 
-def _leave_out_zeros(
-    stamps: NDArray[np.int64], names: tuple[str, ...], position: Floats
-) -> list[str]:
+def _leave_out_zeros(stamps: IntArray, names: tuple[str, ...], position: FloatArray) -> list[str]:
     """Make jumps to zero of angles (T, m) NaN, and note them."""
     known = np.isfinite(position)
     series = {

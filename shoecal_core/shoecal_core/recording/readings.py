@@ -3,15 +3,44 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import BoolArray, FloatArray, IntArray
 from shoecal_core.recording import schemas
 from shoecal_core.recording.columns import Block
-from shoecal_core.recording.held import held
 from shoecal_core.recording.join import Piece, at_common_instants, sampled_apart
-from shoecal_core.recording.run import Floats, Readings
+from shoecal_core.recording.run import Readings
 from shoecal_core.recording.source import RecordedSource
 from shoecal_core.shoe.shoe import AXES, FEET, Shoe
+
+LEAST_NS = 100_000_000
+"""Readings that stay for less may do so by chance [ns]."""
+NOISY_STEPS = 4.0
+"""Usual change from reading to reading, over the least there is, of a channel that trembles."""
+TREMBLING = 2
+"""Channels that must tremble: readings of coarse converters stay where they are while nothing
+moves."""
+
+
+def held(stamp_ns: IntArray, values: FloatArray) -> BoolArray:
+    """(T,) mask of readings of one source (T, k) that are its last ones sent again."""
+    steps = np.abs(np.diff(values, axis=0))
+    if not len(steps) or sum(map(_trembles, steps.T)) < min(TREMBLING, values.shape[1]):
+        return np.zeros(len(values), dtype=bool)
+    same = np.concatenate(([False], (steps == 0.0).all(axis=1)))
+    # Each stretch from the reading that is sent again to the last that is the same.
+    starts = np.flatnonzero(same & ~np.roll(same, 1)) - 1
+    ends = np.flatnonzero(same & ~np.append(same[1:], False))
+    for start, end in zip(starts, ends, strict=True):
+        if stamp_ns[end] - stamp_ns[start] < LEAST_NS:
+            same[start : end + 1] = False
+    return same
+
+
+def _trembles(steps: FloatArray) -> bool:
+    """Whether a channel's readings differ by many steps of its converter, as a rule."""
+    moved = steps[steps > 0.0]
+    return bool(len(moved)) and float(np.median(moved)) >= NOISY_STEPS * float(moved.min())
+
 
 _QUANTITIES = ("value", "status", "sequence", "temperature")
 LARGEST = 1e9
@@ -20,9 +49,7 @@ _BACKWARDS_SHARE = 0.1
 """A device restarts now and then; a counter that runs back more often belongs to two devices."""
 
 
-def read_readings(
-    source: RecordedSource, shoe: Shoe
-) -> tuple[NDArray[np.int64], dict[str, Floats]]:
+def read_readings(source: RecordedSource, shoe: Shoe) -> tuple[IntArray, dict[str, FloatArray]]:
     """Readings of every channel, joined by stamp.
 
     Boards or sensors that sample at instants of their own are brought to common ones, by their
@@ -55,7 +82,7 @@ def read_readings(
 
 
 def make_readings(
-    source: RecordedSource, shoe: Shoe, time: Floats, joined: dict[str, Floats]
+    source: RecordedSource, shoe: Shoe, time: FloatArray, joined: dict[str, FloatArray]
 ) -> Readings:
     """Readings from joined quantities; what is missing is noted in `source`.
 
@@ -131,7 +158,7 @@ class _Gathered:
         self._add(topic, names, block, {"value": value, "status": status})
 
     def _add(
-        self, topic: str, names: tuple[str, ...], block: Block, values: dict[str, Floats]
+        self, topic: str, names: tuple[str, ...], block: Block, values: dict[str, FloatArray]
     ) -> None:
         origin = f"{topic} with frame '{block.frame_id}'"
         for name in names:
@@ -150,7 +177,7 @@ class _Gathered:
             )
         self.sources.setdefault(origin, []).append(Piece(block.stamp_ns, columns, values))
 
-    def _check_counter(self, cells: tuple[str, ...], sequence: Floats) -> None:
+    def _check_counter(self, cells: tuple[str, ...], sequence: FloatArray) -> None:
         steps = np.diff(sequence)
         # The counter has 32 bits: a step back by about all of them is its overflow.
         back = int(np.sum((steps < 0.0) & (steps > -(2.0**31))))

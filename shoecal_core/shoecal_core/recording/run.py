@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.errors import ShapeError, ShoecalError
 from shoecal_core.recording.info import RunInfo
 
-Floats = NDArray[np.float64]
 GAP_S, GAP_MEANS = 0.1, 2.5
 """Intervals longer than this, and than so many mean ones, are gaps between samples."""
 
@@ -27,10 +27,10 @@ class JointSamples:
         effort: (T, m) [N m], NaN likewise; None where the robot reports none.
     """
 
-    time: Floats
+    time: FloatArray
     names: tuple[str, ...]
-    position: Floats
-    effort: Floats | None
+    position: FloatArray
+    effort: FloatArray | None
 
     def __post_init__(self) -> None:
         _check_time("joints", self.time)
@@ -59,12 +59,12 @@ class Readings:
         temperature: (T, n) of the device it came from [degC]; NaN: none given.
     """
 
-    time: Floats
+    time: FloatArray
     names: tuple[str, ...]
-    value: Floats
+    value: FloatArray
     status: NDArray[np.uint8]
-    sequence: NDArray[np.int64]
-    temperature: Floats
+    sequence: IntArray
+    temperature: FloatArray
 
     def __post_init__(self) -> None:
         _check_time("readings", self.time)
@@ -92,9 +92,9 @@ class CommandedTrajectory:
 
     start: float
     names: tuple[str, ...]
-    time: Floats
-    position: Floats
-    velocity: Floats | None = None
+    time: FloatArray
+    position: FloatArray
+    velocity: FloatArray | None = None
 
     def __post_init__(self) -> None:
         _check_time("trajectory", self.time)
@@ -113,9 +113,9 @@ class PoseSamples:
         quaternion: (T, 4) x y z w, of unit length.
     """
 
-    time: Floats
-    position: Floats
-    quaternion: Floats
+    time: FloatArray
+    position: FloatArray
+    quaternion: FloatArray
 
     def __post_init__(self) -> None:
         _check_time("base_pose", self.time)
@@ -135,11 +135,11 @@ class ImuSamples:
         linear_acceleration: (T, 3) [m/s^2].
     """
 
-    time: Floats
+    time: FloatArray
     frame: str
-    quaternion: Floats
-    angular_velocity: Floats
-    linear_acceleration: Floats
+    quaternion: FloatArray
+    angular_velocity: FloatArray
+    linear_acceleration: FloatArray
 
     def __post_init__(self) -> None:
         _check_time("imu", self.time)
@@ -152,8 +152,8 @@ class ImuSamples:
 class TemperatureSamples:
     """One thermometer: time (T,) since the run's start [s], value (T,) [degC]."""
 
-    time: Floats
-    value: Floats
+    time: FloatArray
+    value: FloatArray
 
     def __post_init__(self) -> None:
         _check_time("temperature", self.time)
@@ -186,7 +186,7 @@ class Run:
     notes: tuple[str, ...] = ()
 
 
-def _check_time(name: str, time: Floats) -> None:
+def _check_time(name: str, time: FloatArray) -> None:
     if time.ndim != 1 or time.size == 0:
         raise ShapeError(f"{name}.time", "(T,) with T > 0", time.shape)
     if not (np.all(np.isfinite(time)) and np.all(np.diff(time) > 0.0)):
@@ -198,7 +198,7 @@ def _check_shape(name: str, array: NDArray[np.generic], shape: tuple[int, ...]) 
         raise ShapeError(name, str(shape), array.shape)
 
 
-def _rate(time: Floats) -> float:
+def _rate(time: FloatArray) -> float:
     """Samples a second without the gaps: samples of one packet may be stamped shortly after each
     other, so a median interval would be that of the packets.
     """

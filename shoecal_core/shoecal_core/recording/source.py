@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.recording.columns import Block, decode_columns
 from shoecal_core.recording.container import Contents
@@ -65,7 +65,7 @@ class RecordedSource:
 
     def join(
         self, topic: str, pieces: Sequence[Piece], names: Sequence[str], quantities: Sequence[str]
-    ) -> tuple[NDArray[np.int64], dict[str, NDArray[np.float64]]]:
+    ) -> tuple[IntArray, dict[str, FloatArray]]:
         """Stamps (T,) [ns] and quantities (T, n) of n names, as `join.join`.
 
         Raises:
@@ -80,7 +80,7 @@ class RecordedSource:
                 "record it from one source",
             ) from error
 
-    def columns(self, topic: str, found: Sequence[str], names: Sequence[str]) -> NDArray[np.int64]:
+    def columns(self, topic: str, found: Sequence[str], names: Sequence[str]) -> IntArray:
         """(k,) indices of a message's k names among all names.
 
         Raises:

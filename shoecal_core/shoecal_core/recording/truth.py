@@ -9,8 +9,9 @@ from types import TracebackType
 from typing import Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.errors import ShapeError, ShoecalError
 from shoecal_core.recording import messages, schemas
 from shoecal_core.recording.container import read_container
@@ -18,7 +19,6 @@ from shoecal_core.recording.info import RunInfo
 from shoecal_core.recording.join import Piece
 from shoecal_core.recording.messages import series
 from shoecal_core.recording.reader import seconds
-from shoecal_core.recording.run import Floats
 from shoecal_core.recording.source import RecordedSource
 from shoecal_core.recording.writer import RunWriter
 
@@ -42,10 +42,10 @@ class Truth:
     """
 
     start_ns: int
-    time: Floats
-    cop: Floats
-    foot_cop: Floats
-    foot_grf: Floats
+    time: FloatArray
+    cop: FloatArray
+    foot_cop: FloatArray
+    foot_grf: FloatArray
 
     def __post_init__(self) -> None:
         count = len(self.time)
@@ -56,7 +56,7 @@ class Truth:
                 raise ShapeError(f"truth.{name}", str(shape), found)
 
     @property
-    def grf(self) -> Floats:
+    def grf(self) -> FloatArray:
         """(T,) vertical force on both feet [N]."""
         return np.asarray(self.foot_grf.sum(axis=1))
 
@@ -75,7 +75,11 @@ class TruthWriter:
         self.write_all(np.array([stamp_ns], dtype=np.int64), *rows)
 
     def write_all(
-        self, stamps_ns: NDArray[np.int64], cop: Floats, foot_cop: Floats, foot_grf: Floats
+        self,
+        stamps_ns: IntArray,
+        cop: FloatArray,
+        foot_cop: FloatArray,
+        foot_grf: FloatArray,
     ) -> None:
         """Append T sampling times.
 
@@ -159,19 +163,19 @@ def read_truth(path: Path, start_ns: int | None = None) -> Truth:
     )
 
 
-def _point(frame: str) -> Callable[[int, Floats], bytes]:
+def _point(frame: str) -> Callable[[int, FloatArray], bytes]:
     """Makes the message of a CoP (2,)."""
     return lambda stamp, place: messages.point(stamp, frame, (*place, 0.0))
 
 
-def _wrench(frame: str) -> Callable[[int, Floats], bytes]:
+def _wrench(frame: str) -> Callable[[int, FloatArray], bytes]:
     """Makes the message of a vertical force and its moments about x and y (3,)."""
     return lambda stamp, wrench: messages.wrench(
         stamp, frame, (0.0, 0.0, wrench[0]), (wrench[1], wrench[2], 0.0)
     )
 
 
-def _check(name: str, values: Floats, shape: tuple[int, ...]) -> None:
+def _check(name: str, values: FloatArray, shape: tuple[int, ...]) -> None:
     if values.shape != shape:
         raise ShapeError(f"truth.{name}", str(shape), values.shape)
     if np.isinf(values).any():

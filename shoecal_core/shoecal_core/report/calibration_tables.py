@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.estimation.fit import SelfCalibration
-from shoecal_core.estimation.metrics import Mae
+from shoecal_core.estimation.series import Mae
 from shoecal_core.report.calibration_content import CalibrationReport, RunReport
 from shoecal_core.report.calibration_figures import set_name
 from shoecal_core.report.page import Table

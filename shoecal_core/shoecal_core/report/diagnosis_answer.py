@@ -10,7 +10,7 @@ import numpy as np
 from shoecal_core.diagnosis.result import VERDICT_TEXTS, Cause, Diagnosis, Shrink, Verdict
 from shoecal_core.error_sources.effects.words import name_of
 from shoecal_core.error_sources.signals import COP, GRF
-from shoecal_core.estimation.metrics import cop_mae, grf_mae
+from shoecal_core.estimation.series import cop_mae, grf_mae
 from shoecal_core.report.diagnosis_words import (
     finding_text,
     hypothesis_text,

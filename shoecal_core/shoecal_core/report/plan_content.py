@@ -8,9 +8,8 @@ from functools import cached_property
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.planning.checking.body_track import BodyTrack, track
 from shoecal_core.planning.checking.findings import Report
 from shoecal_core.planning.motion import Motion
@@ -179,7 +178,7 @@ class PlannedMotion:
         return tuple(found)
 
     @cached_property
-    def stance(self) -> NDArray[np.int64]:
+    def stance(self) -> IntArray:
         """(T,) index of a foot that stands at each sample; of two, the left."""
         feet = np.zeros(len(self.motion.time), dtype=np.int64)
         for stand in self.stands:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 
-from shoecal_core.estimation.metrics import Mae
+from shoecal_core.estimation.series import Mae
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.shoe.shoe import Shoe
 

@@ -2,13 +2,76 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
-from shoecal_core.report.figures.left_out import RunSpan, left_out_in_time
 from shoecal_core.report.page import Group, Picture, Table
+from shoecal_core.report.palette import INK, RULE, STEPS
 from shoecal_core.report.quantities import UNKNOWN
+from shoecal_core.report.svg import LINE, area_key, canvas, readable
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.result import Screening
+
+ROW, BOTTOM = 20.0, 34.0
+PER_LINE = 3
+"""Entries in one line of the legend."""
+APART = 3
+"""Steps between the colours of two causes that follow each other."""
+LEAST_SHOWN = 0.004
+"""Part of the width that even the shortest stretch gets."""
+
+
+@dataclass(frozen=True)
+class RunSpan:
+    """One run.
+
+    Attributes:
+        label: of it.
+        start, end: of its samples [s].
+        stretches: first and last time of what was left out, by cause [s].
+    """
+
+    label: str
+    start: float
+    end: float
+    stretches: Mapping[str, Sequence[tuple[float, float]]]
+
+
+def left_out_in_time(runs: Sequence[RunSpan]) -> str:
+    """One line a run: what counts, and what was left out for which cause."""
+    causes = list(dict.fromkeys(cause for run in runs for cause in run.stretches))
+    colours = {cause: STEPS[APART * index % len(STEPS)] for index, cause in enumerate(causes)}
+    keys = [area_key(RULE, "counts")]
+    keys += [area_key(colour, cause) for cause, colour in colours.items()]
+    top = LINE * -(-len(keys) // PER_LINE) + 8.0
+    height = ROW * len(runs)
+    left = 14.0 + 5.6 * max(len(run.label) for run in runs)
+    low, high = min(run.start for run in runs), max(run.end for run in runs)
+    with canvas(top + height + BOTTOM) as page:
+        page.legends(keys, PER_LINE, left=left - 6.0)
+        axes = page.panel(top, height, left=left)
+        axes.grid(visible=False, axis="y")
+        least = LEAST_SHOWN * (high - low)
+        for row, run in enumerate(runs):
+            axes.barh(row, run.end - run.start, 0.5, left=run.start, color=RULE.light,
+                      edgecolor="none")  # fmt: skip
+            for cause, found in run.stretches.items():
+                axes.broken_barh(
+                    [(start, max(end - start, least)) for start, end in found],
+                    (row - 0.25, 0.5), facecolors=colours[cause].light, edgecolor="none",
+                )  # fmt: skip
+        axes.set_xlim(low, high)
+        axes.set_ylim(len(runs) - 0.4, -0.6)
+        axes.set_yticks(range(len(runs)), [readable(run.label) for run in runs])
+        axes.tick_params(axis="y", length=0.0, labelcolor=INK.light)
+        axes.set_xlabel("time since the run's start (s)")
+        listed = "; ".join(
+            f"{run.label}: "
+            + (", ".join(f"{cause} {len(found)} ×" for cause, found in run.stretches.items())
+               or "nothing")
+            for run in runs
+        )  # fmt: skip
+        return page.svg(f"When samples were left out. {listed}.")
 
 
 def left_out_group(

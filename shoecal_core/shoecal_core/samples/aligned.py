@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.recording.align import interpolate_joints
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.limits import beyond_limits, in_degrees
@@ -45,7 +44,7 @@ class Aligned:
     states: BodyStates
     late_s: float = 0.0
 
-    def part(self, part: NDArray[np.bool_]) -> Aligned:
+    def part(self, part: BoolArray) -> Aligned:
         """The samples marked in `part` (T,)."""
         return Aligned(
             self.time[part],

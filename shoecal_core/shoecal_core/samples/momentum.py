@@ -8,15 +8,14 @@ from __future__ import annotations
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.robot.kinematics import BodyStates, Kinematics
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import FEET
 
 
-def base_in_stance(states: BodyStates, frame: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:
+def base_in_stance(states: BodyStates, frame: IntArray) -> tuple[FloatArray, FloatArray]:
     """Orientation (T, 4) x, y, z, w and origin (T, 3) [m] of the base in a foot's sole frame.
 
     Args:
@@ -52,7 +51,7 @@ def angular_momentum(poses: FloatArray, time: FloatArray, robot: Robot) -> Float
 
 
 def standing_spin(
-    angles: FloatArray, time: FloatArray, frame: NDArray[np.int64], kinematics: Kinematics
+    angles: FloatArray, time: FloatArray, frame: IntArray, kinematics: Kinematics
 ) -> FloatArray:
     """(F, 2) what the angular momentum's rate adds to the CoP of a robot on a foot that stands [m].
 

@@ -10,9 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.errors import ShapeError, ShoecalError
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.shoe.shoe import Shoe
@@ -95,7 +94,7 @@ class Stance:
         """(T, 3) wrench F, Mx, My that the model expects [N, N m]."""
         return at_cop(self.force, self.cop)
 
-    def part(self, part: slice | NDArray[np.bool_]) -> Stance:
+    def part(self, part: slice | BoolArray) -> Stance:
         """Some of its samples: a slice, or those marked (T,)."""
         return replace(
             self,

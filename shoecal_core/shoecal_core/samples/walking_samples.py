@@ -13,10 +13,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation, Slerp
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import BoolArray, FloatArray, IntArray
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.run import PoseSamples, Run
 from shoecal_core.robot.robot import GRAVITY, Robot
@@ -38,8 +37,8 @@ class Walk:
         spin: (F, 2) what the angular momentum adds to it [m].
     """
 
-    stance: NDArray[np.int64]
-    loaded: NDArray[np.bool_]
+    stance: IntArray
+    loaded: BoolArray
     force: FloatArray
     cop: FloatArray
     spin: FloatArray
@@ -74,7 +73,7 @@ def find_walk(run: Run, aligned: Aligned, shoe: Shoe, robot: Robot) -> Walk:
     return Walk(stance, np.array([one.loaded for one in stances]), force, cop, added)
 
 
-def pieces(time: FloatArray, stance: NDArray[np.int64], rate: float) -> FloatArray:
+def pieces(time: FloatArray, stance: IntArray, rate: float) -> FloatArray:
     """(F,) number of the piece of its stance that each sample is of, all about 1 / rate long.
 
     What a model of a walk misses within a step is in the readings too: fitted sample by sample,

@@ -12,9 +12,8 @@ from dataclasses import dataclass
 from typing import NotRequired, TypedDict
 
 import numpy as np
-from numpy.typing import NDArray
 
-from shoecal_core.arrays import BoolArray, FloatArray
+from shoecal_core.arrays import BoolArray, FloatArray, IntArray
 from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_core.shoe.wrench import ChannelParameters, weight_below
 
@@ -42,7 +41,7 @@ class Zero:
 
     run: int
     foot: int
-    phase: NDArray[np.int64]
+    phase: IntArray
     readings: FloatArray
 
     @property
@@ -98,7 +97,7 @@ def zeros_of_run(run: int, time: FloatArray, readings: FloatArray, air: BoolArra
     return found
 
 
-def _inner(samples: NDArray[np.int64], time: FloatArray) -> NDArray[np.int64]:
+def _inner(samples: IntArray, time: FloatArray) -> IntArray:
     first, last = time[samples[0]] + EDGE_S, time[samples[-1]] - EDGE_S
     return np.asarray(samples[(time[samples] >= first) & (time[samples] <= last)])
 

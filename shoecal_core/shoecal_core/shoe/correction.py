@@ -14,9 +14,8 @@ from operator import mul
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import BoolArray, FloatArray, IntArray
 from shoecal_core.errors import ShapeError, ShoecalError
 from shoecal_core.shoe.shoe import FEET, Shoe
 
@@ -77,13 +76,13 @@ class CopCorrection:
         (x, y), (of_x, of_y) = raw, self._lines
         return x + _shift(of_x, x, y, outputs), y + _shift(of_y, y, x, outputs)
 
-    def extrapolates(self, raw: Sequence[N], outputs: Sequence[N]) -> bool | NDArray[np.bool_]:
+    def extrapolates(self, raw: Sequence[N], outputs: Sequence[N]) -> bool | BoolArray:
         """One or (...,): True outside the places and loads it was trained on.
 
         Args:
             raw, outputs: as of `correct`.
         """
-        outside: bool | NDArray[np.bool_] = False
+        outside: bool | BoolArray = False
         for value, (low, high) in zip((*raw, *outputs), self._ranges, strict=True):
             outside |= (value < low) | (value > high)
         return outside
@@ -100,7 +99,7 @@ class CopCorrection:
         return list(zip((low - rounded).tolist(), (high + rounded).tolist(), strict=True))
 
 
-def corrected_channels(shoe: Shoe, foot: int) -> NDArray[np.int64]:
+def corrected_channels(shoe: Shoe, foot: int) -> IntArray:
     """Indices (k,) of a foot's channels that the correction has a term for: no sideways forces."""
     felt = shoe.vertical | shoe.torque
     return np.flatnonzero(felt & (shoe.foot == foot))

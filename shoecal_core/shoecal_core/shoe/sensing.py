@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.errors import ShapeError
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.shoe.correction import CopCorrection, N, check_corrections, corrected_channels
@@ -35,7 +34,7 @@ class Measured:
 
     grf: FloatArray
     cop: FloatArray
-    extrapolating: NDArray[np.bool_]
+    extrapolating: BoolArray
 
     @property
     def total_grf(self) -> FloatArray:

@@ -13,8 +13,8 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import BoolArray, FloatArray, IntArray
 from shoecal_core.errors import NameNotFoundError
 from shoecal_core.files import Fields, read_yaml, sha256
 from shoecal_core.shoe.holes import Holes, read_holes
@@ -49,8 +49,8 @@ class Channel:
 
     name: str
     foot: int
-    column: NDArray[np.float64]
-    position: NDArray[np.float64]
+    column: FloatArray
+    position: FloatArray
     torque: bool
     polarity: int
     nominal_gain: float | None
@@ -78,9 +78,9 @@ class Plates:
     """
 
     mass_above: float
-    com_above: NDArray[np.float64]
+    com_above: FloatArray
     mass_below: float
-    com_below: NDArray[np.float64]
+    com_below: FloatArray
 
 
 NO_PLATES = Plates(0.0, np.zeros(3), 0.0, np.zeros(3))
@@ -116,32 +116,32 @@ class Shoe:
         return tuple(channel.name for channel in self.channels)
 
     @cached_property
-    def foot(self) -> NDArray[np.int64]:
+    def foot(self) -> IntArray:
         """(n,) index into FEET."""
         return np.array([channel.foot for channel in self.channels])
 
     @cached_property
-    def columns(self) -> NDArray[np.float64]:
+    def columns(self) -> FloatArray:
         """(n, 3) F, Mx, My per unit of output, each in its own foot's sole frame."""
         return np.array([channel.column for channel in self.channels])
 
     @cached_property
-    def positions(self) -> NDArray[np.float64]:
+    def positions(self) -> FloatArray:
         """(n, 2) places in each foot's sole frame [m]."""
         return np.array([channel.position for channel in self.channels])
 
     @cached_property
-    def vertical(self) -> NDArray[np.bool_]:
+    def vertical(self) -> BoolArray:
         """(n,) True for channels of vertical force."""
         return np.array([channel.vertical for channel in self.channels])
 
     @cached_property
-    def torque(self) -> NDArray[np.bool_]:
+    def torque(self) -> BoolArray:
         """(n,) True where the output is a torque [N m]."""
         return np.array([channel.torque for channel in self.channels])
 
     @cached_property
-    def polarity(self) -> NDArray[np.int64]:
+    def polarity(self) -> IntArray:
         """(n,) +1, -1, or 0 where unknown."""
         return np.array([channel.polarity for channel in self.channels])
 
@@ -166,7 +166,7 @@ class Shoe:
         """Mass of both shoes [kg]."""
         return sum(plates.mass_above + plates.mass_below for plates in self.plates)
 
-    def with_columns(self, columns: NDArray[np.float64]) -> Shoe:
+    def with_columns(self, columns: FloatArray) -> Shoe:
         """The same with other columns (n, 3)."""
         channels = tuple(
             replace(channel, column=column)
@@ -181,7 +181,7 @@ class Shoe:
         except ValueError:
             raise NameNotFoundError("channel", name, self.names) from None
 
-    def of_foot(self, foot: int) -> NDArray[np.int64]:
+    def of_foot(self, foot: int) -> IntArray:
         """(k,) indices of one foot's channels."""
         return np.flatnonzero(self.foot == foot)
 
@@ -245,12 +245,12 @@ def load_shoe(path: Path, *, partial: bool = False) -> Shoe:
     )
 
 
-def cell_column(position: NDArray[np.float64]) -> NDArray[np.float64]:
+def cell_column(position: FloatArray) -> FloatArray:
     """Column (1, t_y, -t_x) of a vertical load cell at `position` (2,) [m]."""
     return np.array([1.0, position[1], -position[0]])
 
 
-def axis_column(axis: str, origin: NDArray[np.float64]) -> NDArray[np.float64]:
+def axis_column(axis: str, origin: FloatArray) -> FloatArray:
     """Column of one axis of a six-axis sensor at `origin` (3,) [m] above the floor.
 
     Moments about the sole frame's origin: M = r x f for forces, M itself for torques.
@@ -320,7 +320,7 @@ def _six_axis(block: Fields, foot: int, span: tuple[float, float]) -> list[Chann
     return channels
 
 
-def _place(fields: Fields, key: str, size: int) -> NDArray[np.float64]:
+def _place(fields: Fields, key: str, size: int) -> FloatArray:
     place = fields.array(key, (size,))
     if np.abs(place).max() > MAX_DISTANCE:
         raise fields.error(key, f"is more than {MAX_DISTANCE:g} m from the sole; lengths are in m")

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.simulation.reality import PlantVariation
 from shoecal_core.simulation.sampled_parts import SampledShoes
@@ -26,7 +26,7 @@ class ConvertedReadings:
         temperature: (...) of the shoes as the device reports it [degC]; NaN where it does not.
     """
 
-    counts: NDArray[np.int64]
+    counts: IntArray
     voltages: FloatArray
     status: NDArray[np.uint8]
     temperature: FloatArray

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import FieldError, instead
 from shoecal_core.simulation.effects.effect import Effect
 
@@ -36,9 +36,7 @@ class NamedNumbers:
     path: Path
     key: str
 
-    def resolve(
-        self, names: Sequence[str], default: NDArray[np.float64], kind: str
-    ) -> NDArray[np.float64]:
+    def resolve(self, names: Sequence[str], default: FloatArray, kind: str) -> FloatArray:
         """(k, width) the numbers of each of k names.
 
         Args:

@@ -16,16 +16,14 @@ from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.simulation import robot_physics
 from shoecal_core.simulation.converter import AdConverter, ConvertedReadings
 from shoecal_core.simulation.disturbances import Disturbance
-from shoecal_core.simulation.encoders import Encoders
 from shoecal_core.simulation.faults import RobotFellError, SupportNotReachedError
 from shoecal_core.simulation.floor import FloorTruth, floor_truth, sideways_forces
 from shoecal_core.simulation.imu import Imu, ImuReadings, base_motion
 from shoecal_core.simulation.joint_friction import BristleFriction
-from shoecal_core.simulation.joint_sensors import JointReadings, JointSensors
-from shoecal_core.simulation.posing import Posing
+from shoecal_core.simulation.joint_sensors import Encoders, JointReadings, JointSensors
+from shoecal_core.simulation.posing import SERVO_PERIOD, Posing, SetPoints
 from shoecal_core.simulation.sampled_robot import SampledRobot
 from shoecal_core.simulation.sensor_chain import NO_SIDEWAYS, SensorChain
-from shoecal_core.simulation.set_points import SERVO_PERIOD, SetPoints
 from shoecal_core.simulation.shoe_physics import ChannelOutputs, SoleReader, floor_rotation
 from shoecal_core.simulation.snapshot import Snapshot
 from shoecal_core.simulation.stepping import advance

@@ -46,13 +46,7 @@ from shoecal_core.estimation.known_shoe import known_shoe
 from shoecal_core.estimation.lagging import check_lags, lags
 from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.estimation.residuals import ResidualWeights
-from shoecal_core.estimation.series import (
-    Errors,
-    Series,
-    errors,
-    measured_series,
-    modelled_series,
-)
+from shoecal_core.estimation.series import Errors, Series, errors, measured_series, modelled_series
 from shoecal_core.estimation.session_data import SessionData, load_data
 from shoecal_core.estimation.walking_fit import (
     at_common_zeros,

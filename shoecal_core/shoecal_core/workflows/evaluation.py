@@ -18,12 +18,7 @@ from shoecal_core.estimation.checks import check_zeros
 from shoecal_core.estimation.comparison import read_truths
 from shoecal_core.estimation.data_sheets import check_weight
 from shoecal_core.estimation.run_errors import ComparedRun, errors_by_set
-from shoecal_core.estimation.series import (
-    Series,
-    measured_series,
-    modelled_series,
-    truth_series,
-)
+from shoecal_core.estimation.series import Series, measured_series, modelled_series, truth_series
 from shoecal_core.estimation.session_data import SessionData, load_data
 from shoecal_core.estimation.weight import Weighed
 from shoecal_core.files import sha256

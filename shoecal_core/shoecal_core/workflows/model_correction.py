@@ -9,19 +9,13 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.base import ALL
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import FieldError
 from shoecal_core.estimation.outcome import CalibrationOutcome
-from shoecal_core.estimation.series import (
-    Errors,
-    Series,
-    errors,
-    measured_series,
-    modelled_series,
-)
+from shoecal_core.estimation.series import Errors, Series, errors, measured_series, modelled_series
 from shoecal_core.estimation.session_data import load_data
 from shoecal_core.files import atomic_write, read_bytes
 from shoecal_core.progress import Progress, no_progress
@@ -224,7 +218,7 @@ def model_correction(found: Sequence[Found], robot: Robot, bare: Robot) -> Model
         bare: without shoes: what was found of both, the URDF's links have to bear.
     """
     shod, own = _masses(robot), _masses(bare)
-    masses, coms = dict(own), dict[str, NDArray[np.float64]]()
+    masses, coms = dict(own), dict[str, FloatArray]()
     for one in found:
         name = one.location[0] if one.location else ""
         if one.effect == "link_mass":

@@ -16,9 +16,8 @@ import hashlib
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.estimation.drift import Drift, drift_of, shares_model
@@ -145,7 +144,7 @@ def rezero(
     )
 
 
-def _better_known(calibration: Calibration, before: Drift | None, count: int) -> NDArray[np.bool_]:
+def _better_known(calibration: Calibration, before: Drift | None, count: int) -> BoolArray:
     """(k,) which differences are better known by weight and model than by the calibration."""
     chosen = np.ones(count, dtype=bool)
     if before is not None and not shares_model(calibration):
@@ -158,7 +157,7 @@ def _prior(
     calibration: Calibration,
     shoe: Shoe,
     found: StandstillResiduals,
-    chosen: NDArray[np.bool_],
+    chosen: BoolArray,
     made_ns: int,
 ) -> FloatArray:
     """(2n, 2n) covariance of gains and offsets as they are now: what is not known has drifted.
@@ -196,7 +195,7 @@ def _updated(
     prior: FloatArray,
     spread: FloatArray,
     found: StandstillResiduals,
-    chosen: NDArray[np.bool_],
+    chosen: BoolArray,
     readings: FloatArray,
 ) -> FloatArray:
     """(2n, 2n) covariance of gains and offsets after the change."""

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.planning.standard import PlannedRun
 from shoecal_core.recording import messages, schemas
 from shoecal_core.recording.info import RunInfo
@@ -17,7 +16,7 @@ from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.simulation.robot import SimulatedRobot
 from shoecal_core.simulation.samples import SimulatedSamples
 
-Stamps = NDArray[np.int64]
+Stamps = IntArray
 Message = tuple[int, str, bytes]
 """Stamp [ns], topic, CDR bytes."""
 

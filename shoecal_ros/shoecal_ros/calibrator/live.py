@@ -7,10 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from shoecal_msgs.msg import ShoeVoltages
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import BoolArray, FloatArray, IntArray
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.shoe.sensing import FootInstant, Place, Sensing
 from shoecal_ros.calibrator.load import LEFT, RIGHT, LoadSwitch
@@ -91,7 +90,7 @@ class LiveSensing:
     """Turns joined readings into what is published."""
 
     def __init__(
-        self, of_foot: Sequence[NDArray[np.int64]], switch: LoadSwitch, low_pass: OutputFilter
+        self, of_foot: Sequence[IntArray], switch: LoadSwitch, low_pass: OutputFilter
     ) -> None:
         """Uncalibrated.
 
@@ -169,7 +168,7 @@ class LiveSensing:
         reported, frame = self._reported(one.new), self._switch.frame
         return Live(one.stamp_ns, (left, right), reported, frame, wrench, both, loaded, readings)
 
-    def _reported(self, new: NDArray[np.bool_]) -> tuple[bool, bool]:
+    def _reported(self, new: BoolArray) -> tuple[bool, bool]:
         """Of which feet there is something new; nearly always of both."""
         if new.all():
             return True, True

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.robot.robot import Robot
 
@@ -18,7 +18,7 @@ _PEAK = 1.5
 """Greatest over mean speed of a joint that goes smoothly from rest to rest, as a cubic does."""
 
 
-def hold(robot: Robot, angles: NDArray[np.float64], stop_time: float) -> JointTrajectory:
+def hold(robot: Robot, angles: FloatArray, stop_time: float) -> JointTrajectory:
     """Come to rest at all joint angles (m,) [rad] within a time [s].
 
     It takes longer, up to LONGEST_S, where else some joint, HOLD_WAY off, would have to be faster
@@ -33,7 +33,7 @@ def hold(robot: Robot, angles: NDArray[np.float64], stop_time: float) -> JointTr
     return JointTrajectory(names, np.array([time]), held[None, robot.moved])
 
 
-def is_hold(trajectory: JointTrajectory, robot: Robot, joint_angles: NDArray[np.float64]) -> bool:
+def is_hold(trajectory: JointTrajectory, robot: Robot, joint_angles: FloatArray) -> bool:
     """Whether a command stops the robot about where its joints (m,) [rad] are.
 
     Raises:

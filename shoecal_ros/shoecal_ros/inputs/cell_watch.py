@@ -16,10 +16,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from shoecal_msgs.msg import ShoeVoltages
 
-from shoecal_core.arrays import BoolArray, FloatArray
+from shoecal_core.arrays import BoolArray, FloatArray, IntArray
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_ros.common.codes import Code
 from shoecal_ros.common.health import Condition, Level
@@ -153,7 +152,7 @@ class CellWatch:
         self._bound = np.maximum(self._least, JUMP_NOISE * self._noise)
         self._look_for_frozen()
 
-    def _learn(self, cells: Cells, stamps: NDArray[np.int64], readings: FloatArray) -> None:
+    def _learn(self, cells: Cells, stamps: IntArray, readings: FloatArray) -> None:
         """From (k, m) readings of some cells that were all new at each of k instants [ns]."""
         before_ns = self._learnt_ns[cells].min()
         if stamps[0] - before_ns <= RESTART_S * 1e9:

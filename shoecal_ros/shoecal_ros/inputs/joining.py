@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from shoecal_msgs.msg import ShoeVoltages
 
-from shoecal_core.arrays import BoolArray, FloatArray
+from shoecal_core.arrays import BoolArray, FloatArray, IntArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.settings import Settings, setting
 from shoecal_ros.common.voltage_frame import VoltageFrame
@@ -91,7 +91,7 @@ class Joined:
 class _Stream:
     """Frames of one source that carry the same cells."""
 
-    def __init__(self, columns: NDArray[np.int64]) -> None:
+    def __init__(self, columns: IntArray) -> None:
         self.columns = columns
         self.in_order = bool(np.all(np.diff(columns) == 1))
         self._sequence: int | None = None
@@ -169,7 +169,7 @@ class FrameJoiner:
         """Channels that have not been sent."""
         return tuple(name for name in self._names if name not in self._owner)
 
-    def fitted_s(self, columns: NDArray[np.int64]) -> float:
+    def fitted_s(self, columns: IntArray) -> float:
         """When the last reading of channels (k,) came that an instant has or will have [s]."""
         if self._whole_s >= self._part_s:
             return self._whole_s
@@ -277,9 +277,9 @@ class FrameJoiner:
         self._instant_ns = NEVER_NS
         self._status: NDArray[np.uint8] = np.full(count, NO_DATA, dtype=np.uint8)
         self._readings: FloatArray = np.full(count, np.nan)
-        self._stamps: NDArray[np.int64] = np.full(count, NEVER_NS, dtype=np.int64)
+        self._stamps: IntArray = np.full(count, NEVER_NS, dtype=np.int64)
         self._new: BoolArray = np.zeros(count, dtype=np.bool_)
-        self._holds: NDArray[np.int64] = np.full(count, self._hold_ns, dtype=np.int64)
+        self._holds: IntArray = np.full(count, self._hold_ns, dtype=np.int64)
 
     def _stream(self, frame: VoltageFrame) -> _Stream:
         key = (frame.source, frame.cells)

@@ -10,9 +10,8 @@ from itertools import groupby
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.robot.robot import Robot
 from shoecal_ros.common.codes import Code, Problem
@@ -37,7 +36,7 @@ class JointBatch:
         angles: (T, m) of all the robot's joints [rad].
     """
 
-    stamp_ns: NDArray[np.int64]
+    stamp_ns: IntArray
     angles: FloatArray
 
 
@@ -132,7 +131,7 @@ class JointInput:
         self.heard.note(len(batch.stamp_ns))
         return batch
 
-    def _usable(self, stamps: NDArray[np.int64], angles: FloatArray) -> JointBatch | None:
+    def _usable(self, stamps: IntArray, angles: FloatArray) -> JointBatch | None:
         """What one sender sent, each later than all before it; a clock may have been set back."""
         if not stamps.any():
             reported = "joint_states carries no stamps of time; correct its sender"

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections import deque
 
 import numpy as np
-from numpy.typing import NDArray
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import BoolArray, FloatArray, IntArray
 from shoecal_core.robot.robot import Robot
 from shoecal_ros.inputs.joining import CLOCK_SET_NS
 
@@ -43,7 +42,7 @@ class OneSender:
         """Whether stamps or angles run to and fro."""
         return sum(self._odd) > _ODD
 
-    def follows(self, stamps: NDArray[np.int64], angles: FloatArray) -> NDArray[np.bool_]:
+    def follows(self, stamps: IntArray, angles: FloatArray) -> BoolArray:
         """(T,) which samples count, of (T,) stamps [ns] and (T, m) angles [rad] as they came."""
         if len(stamps) == 1 or not self._all_follow(stamps, angles):
             return np.array([self._one(*one) for one in zip(stamps.tolist(), angles, strict=True)])
@@ -52,7 +51,7 @@ class OneSender:
         self._odd.extend([False] * min(len(stamps), _STEPS))
         return np.ones(len(stamps), dtype=np.bool_)
 
-    def _all_follow(self, stamps: NDArray[np.int64], angles: FloatArray) -> bool:
+    def _all_follow(self, stamps: IntArray, angles: FloatArray) -> bool:
         """Nearly always several do, and then it is quickly seen."""
         if self._believed is None or self._pending is not None:
             return False

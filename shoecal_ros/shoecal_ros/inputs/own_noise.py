@@ -14,11 +14,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
-from shoecal_core.arrays import BoolArray, FloatArray
+from shoecal_core.arrays import BoolArray, FloatArray, IntArray
 
-Cells = slice | NDArray[np.int64]
+Cells = slice | IntArray
 """Some channels."""
 ALL = slice(None)
 

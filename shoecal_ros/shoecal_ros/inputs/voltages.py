@@ -6,8 +6,8 @@ import math
 from collections.abc import Collection, Iterable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import IntArray
 from shoecal_core.errors import ShoecalError
 from shoecal_ros.common.codes import Code, Problem
 from shoecal_ros.common.health import Condition
@@ -38,7 +38,7 @@ class VoltageInput:
         *,
         silent_s: float = SILENT_S,
         watch: CellWatch | None = None,
-        of_foot: Sequence[NDArray[np.int64]] = (),
+        of_foot: Sequence[IntArray] = (),
     ) -> None:
         """Nothing heard.
 

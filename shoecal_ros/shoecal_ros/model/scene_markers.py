@@ -22,13 +22,12 @@ from typing import Any
 import numpy as np
 from builtin_interfaces.msg import Duration
 from geometry_msgs.msg import Point
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_ros.common.conversions import header_to_ros
@@ -142,7 +141,7 @@ class SceneMarkers:
             yield _line("support_polygon", left, _ring(hull), OUTLINE)
 
 
-def _faces(shape: LinkShape) -> NDArray[np.int64] | None:
+def _faces(shape: LinkShape) -> IntArray | None:
     """(f, 3) corners of a hull's triangles, seen from outside; None for balls and capsules."""
     if len(shape.points) < 3:
         return None
@@ -166,7 +165,7 @@ def _grown(shape: LinkShape) -> FloatArray:
     return grown
 
 
-def _solid(frame: str, shape: LinkShape, faces: NDArray[np.int64] | None) -> Iterator[Any]:
+def _solid(frame: str, shape: LinkShape, faces: IntArray | None) -> Iterator[Any]:
     if faces is not None:
         marker = _marker("body", frame, Marker.TRIANGLE_LIST, shape.rgba, (1.0, 1.0, 1.0))
         marker.points = _points(_grown(shape)[faces.ravel()])

@@ -17,6 +17,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_ros.serial.channel_map import Converter
 from shoecal_ros.serial.errors import DeviceError
 from shoecal_ros.serial.frame import ChannelStatus, Frame, Info
@@ -26,9 +27,7 @@ PATIENCE_S = 0.05
 """How long a full buffer is waited for before bytes are dropped."""
 
 
-def convert(
-    volts: NDArray[np.float64], converter: Converter
-) -> tuple[NDArray[np.int64], NDArray[np.uint8]]:
+def convert(volts: FloatArray, converter: Converter) -> tuple[IntArray, NDArray[np.uint8]]:
     """What an analogue-digital converter makes of voltages (..., n) [V].
 
     Returns:

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.simulation.converter import ConvertedReadings
 from shoecal_core.simulation.floor import FloorTruth
 from shoecal_core.simulation.joint_sensors import JointReadings
@@ -32,7 +31,7 @@ class BodySamples:
         orientation: (T, 4) of the torso over the floor: x, y, z, w.
     """
 
-    stamp_ns: NDArray[np.int64]
+    stamp_ns: IntArray
     joints: JointReadings
     readings: ConvertedReadings
     truth: FloorTruth

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.cli.conftest import ROBOT, Run
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.estimation.calibration import load_calibration, save_calibration
 from shoecal_core.recording.foreign import joint_states, voltages
 from shoecal_core.recording.schemas import GOOD
@@ -81,7 +81,7 @@ def test_zeros_that_moved_between_two_sessions(
     assert new["right"] == pytest.approx(old["right"], abs=3.0)
 
 
-def stamps(start: int, time: NDArray[np.float64]) -> NDArray[np.int64]:
+def stamps(start: int, time: FloatArray) -> IntArray:
     return start + np.rint(1e9 * time).astype(np.int64)
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from shoecal_core.cli.plan_folder import PlanFolder
+from shoecal_core.cli.plan_command import PlanFolder
 from shoecal_core.errors import FileError
 
 

@@ -17,7 +17,7 @@ from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.checking.body_track import track
 from shoecal_core.planning.motion import Motion
 from shoecal_core.robot.double_support import DoubleSupport
-from shoecal_core.workflows.simulated_walk import take
+from shoecal_core.workflows.simulated_session import take
 
 WIDE = {
     "nao": DoubleSupport(0.04, -0.136, 0.312),

@@ -24,7 +24,7 @@ from shoecal_core.recording.session import Session
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.simulation.robot import SimulatedRobot
-from shoecal_core.workflows.simulated_walk import take, walk
+from shoecal_core.workflows.simulated_session import take, walk
 
 START = DoubleSupport(0.0, -0.12, 0.0)
 GOALS = (

@@ -6,10 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.fft import idct
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.diagnosis.hypotheses import Hypothesis
 from shoecal_core.diagnosis.scoring import Part, Scorer
 from shoecal_core.diagnosis.workspace import Workspace
@@ -54,7 +53,7 @@ class Urn:
 
     workspace: Workspace
     whitened: FloatArray
-    kept: NDArray[np.bool_]
+    kept: BoolArray
 
     @classmethod
     def of(cls, workspace: Workspace) -> Urn:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from core.diagnosis.drawn import Urn, part
-from shoecal_core.diagnosis.hidden import hidden_cop
+from shoecal_core.diagnosis.answer import hidden_cop
 from shoecal_core.diagnosis.selection import select
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.workspace import Workspace, make_workspace

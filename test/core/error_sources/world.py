@@ -12,13 +12,12 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
 from core.error_sources.altered import body_states
 from core.robot import robots
 from core.shoe import shoes
-from shoecal_core.arrays import FloatArray, IntArray
+from shoecal_core.arrays import BoolArray, FloatArray, IntArray
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.kinematics import BodyStates
 from shoecal_core.robot.robot import Robot
@@ -48,7 +47,7 @@ class Motion:
     shoe: Shoe
     run: IntArray
     segment: IntArray
-    loaded: NDArray[np.bool_]
+    loaded: BoolArray
     time: FloatArray
     supports: tuple[DoubleSupport, ...]
     angles: FloatArray

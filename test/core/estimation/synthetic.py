@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.samples.stance import Stance, make_stance
 from shoecal_core.screening.settings import CalibrationSettings
@@ -49,7 +48,7 @@ def truth(shoe: Shoe, rng: np.random.Generator) -> ChannelParameters:
     return ChannelParameters(gain, rng.uniform(-8.0, 8.0, len(sign)))
 
 
-def common(shoe: Shoe, gain: float, offset: float, sign: NDArray[np.int64]) -> ChannelParameters:
+def common(shoe: Shoe, gain: float, offset: float, sign: IntArray) -> ChannelParameters:
     """One law for all channels, some of them upside down."""
     return ChannelParameters(np.asarray(gain * sign), np.full(len(shoe.channels), offset))
 

@@ -18,8 +18,7 @@ from shoecal_core.estimation.accuracy import (
     misfit,
     model_limit,
 )
-from shoecal_core.estimation.metrics import Mae
-from shoecal_core.estimation.series import Errors, Series
+from shoecal_core.estimation.series import Errors, Mae, Series
 
 ROBOT = robots.load("nao")
 WIDTH = min(foot.half_width for foot in ROBOT.feet)

@@ -11,7 +11,7 @@ from core.estimation import synthetic
 from core.shoe import shoes
 from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation import chunks
-from shoecal_core.estimation.correction_equations import CorrectionEquations
+from shoecal_core.estimation.correction_fit import CorrectionEquations
 from shoecal_core.samples.stance import Stance
 from shoecal_core.shoe.correction import CopCorrection
 from shoecal_core.shoe.sensing import Sensing

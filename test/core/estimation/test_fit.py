@@ -16,8 +16,8 @@ from shoecal_core.estimation import fit as module
 from shoecal_core.estimation.fit import fit_parameters, prior_of, self_calibrate
 from shoecal_core.estimation.initial_guess import InitialGuess, initial_guess
 from shoecal_core.estimation.least_squares import Fit
-from shoecal_core.estimation.metrics import cop_mae
 from shoecal_core.estimation.residuals import ResidualWeights, pack, rows_of, unpack
+from shoecal_core.estimation.series import cop_mae
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.samples.stance import Stance, make_stance
 from shoecal_core.screening.settings import CalibrationSettings

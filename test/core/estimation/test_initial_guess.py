@@ -6,10 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from core.estimation import synthetic
 from core.shoe import shoes
+from shoecal_core.arrays import IntArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation import chunks
 from shoecal_core.estimation.initial_guess import initial_guess
@@ -23,7 +24,7 @@ def without_polarity(shoe: Shoe) -> Shoe:
     return replace(shoe, channels=tuple(replace(c, polarity=0) for c in shoe.channels))
 
 
-def mixed(shoe: Shoe) -> NDArray[np.int64]:
+def mixed(shoe: Shoe) -> IntArray:
     """Signs that differ from the shoe file's."""
     return np.where(np.arange(len(shoe.channels)) % 3 == 0, -1, 1)
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from shoecal_core.estimation.metrics import cop_mae, grf_mae
+from shoecal_core.estimation.series import cop_mae, grf_mae
 
 
 def test_grf_by_hand() -> None:

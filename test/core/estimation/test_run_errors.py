@@ -5,11 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from shoecal_core.estimation.run_errors import (
-    ComparedRun,
-    errors_by_set,
-    errors_of,
-)
+from shoecal_core.estimation.run_errors import ComparedRun, errors_by_set, errors_of
 from shoecal_core.estimation.series import Series
 
 

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from rosbags.interfaces import Connection
 from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
@@ -16,6 +15,7 @@ from rosbags.typesys.store import Typestore
 
 from core.recording import samples
 from core.shoe.shoes import ROOT
+from shoecal_core.arrays import FloatArray
 
 FORMATS = ("ros1", "mcap", "sqlite3")
 START_S = 1_700_000_000.0
@@ -42,12 +42,12 @@ def robot_files(folder: Path) -> tuple[Path, Path]:
     return robot, shoe
 
 
-def angles(times: NDArray[np.float64], joint: int) -> NDArray[np.float64]:
+def angles(times: FloatArray, joint: int) -> FloatArray:
     """Of one joint [rad]."""
     return 0.1 * np.sin(2.0 * times + joint)
 
 
-def force(times: NDArray[np.float64]) -> NDArray[np.float64]:
+def force(times: FloatArray) -> FloatArray:
     """(T, 3) that both feet feel, in the sole's frame [N]."""
     return np.column_stack([5.0 + 0.0 * times, 10.0 * np.sin(times), 150.0 + 20.0 * np.cos(times)])
 
@@ -187,7 +187,7 @@ def walk(
     bag = BagWriter(folder, name, kind)
     generator = np.random.default_rng(1)
 
-    def times(rate: float) -> NDArray[np.float64]:
+    def times(rate: float) -> FloatArray:
         count = int(SECONDS * rate)
         return (np.arange(count) + generator.uniform(0.0, 0.4, count)) / rate
 

@@ -7,9 +7,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.recording import messages, schemas
 from shoecal_core.recording.info import RunInfo
 from shoecal_core.recording.writer import RunWriter
@@ -93,7 +92,7 @@ class Sources(NamedTuple):
 class Sample:
     """What a made-up run holds: stamps (T,) [ns], angles and efforts (T, m), volts (T, n)."""
 
-    stamps: NDArray[np.int64]
+    stamps: IntArray
     angles: FloatArray
     efforts: FloatArray
     volts: FloatArray

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import NameNotFoundError
 from shoecal_core.recording.align import interpolate_joints
 from shoecal_core.recording.run import JointSamples
@@ -16,7 +16,7 @@ def samples(time: list[float], position: list[list[float]]) -> JointSamples:
     return JointSamples(np.array(time), names, np.array(position), None)
 
 
-def lines(time: NDArray[np.float64]) -> NDArray[np.float64]:
+def lines(time: FloatArray) -> FloatArray:
     return np.column_stack([1.0 + 2.0 * time, -3.0 * time])
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from shoecal_core.recording.held import held
+from shoecal_core.recording.readings import held
 
 STAMPS = np.arange(1000) * 10_000_000
 RNG = np.random.default_rng(2)

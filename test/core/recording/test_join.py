@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.recording.join import (
     OverlapError,
     Piece,
@@ -77,7 +77,7 @@ MS = 1_000_000
 def piece(
     stamps_ms: list[int], column: int, value: list[float], status: list[float] | None = None
 ) -> Piece:
-    def column_of(numbers: list[float]) -> NDArray[np.float64]:
+    def column_of(numbers: list[float]) -> FloatArray:
         return np.array(numbers, dtype=np.float64)[:, None]
 
     count = len(stamps_ms)

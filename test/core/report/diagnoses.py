@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.estimation import synthetic
 from core.shoe import shoes
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import BoolArray, FloatArray, IntArray
 from shoecal_core.diagnosis.result import (
     Action,
     BudgetShare,
@@ -205,14 +204,14 @@ def told_in_stance(signals: FloatArray, found: Evidence) -> FloatArray:
     return _in_stance(signals, ~found.loaded[:, 0], found.support)
 
 
-def _in_stance(signals: FloatArray, hung: NDArray[np.bool_], support: FloatArray) -> FloatArray:
+def _in_stance(signals: FloatArray, hung: BoolArray, support: FloatArray) -> FloatArray:
     turned = signals.copy()
     turned[:, 1:3] = _turned(signals[:, 1:3], hung, support, vectors=True)
     return turned
 
 
 def _turned(
-    values: FloatArray, hung: NDArray[np.bool_], support: FloatArray, *, vectors: bool
+    values: FloatArray, hung: BoolArray, support: FloatArray, *, vectors: bool
 ) -> FloatArray:
     """Points or vectors (T, 2) of the left sole's frame, in the right one's where left hangs."""
     turned = values.copy()
@@ -225,7 +224,7 @@ def _turned(
 
 def _run(
     shoe: Shoe, number: int, count: int, rng: np.random.Generator
-) -> tuple[NDArray[np.int64], FloatArray, NDArray[np.bool_], FloatArray, FloatArray, FloatArray]:
+) -> tuple[IntArray, FloatArray, BoolArray, FloatArray, FloatArray, FloatArray]:
     """The CoP goes round between the feet; in some runs one foot is lifted for a moment."""
     stood = synthetic.SUPPORTS[number % len(synthetic.SUPPORTS)]
     time = np.arange(count) / RATE
@@ -268,7 +267,7 @@ def _fit(
     forces: FloatArray,
     places: FloatArray,
     support: FloatArray,
-    train: NDArray[np.bool_],
+    train: BoolArray,
     effect: FloatArray | None,
 ) -> tuple[FloatArray, FloatArray]:
     """Residuals after gains, offsets and the effect were fitted, and what the effect adds."""

@@ -12,13 +12,12 @@ from core.robot import robots
 from core.shoe import shoes
 from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.tolerances import Tolerances
-from shoecal_core.estimation.assessment import Assessment
+from shoecal_core.estimation.assessment import Assessment, support_covariance
 from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.estimation.comparison import StanceComparison
 from shoecal_core.estimation.expected import ErrorModel
 from shoecal_core.estimation.fit import SelfCalibration, self_calibrate
 from shoecal_core.estimation.series import Series, measured_series, modelled_series
-from shoecal_core.estimation.support_error import support_covariance
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.identifiability import identifiability
 from shoecal_core.planning.supports.observability import relative_information

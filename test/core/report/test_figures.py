@@ -11,8 +11,7 @@ from core.robot import robots
 from core.shoe import shoes
 from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError
-from shoecal_core.estimation.metrics import Mae
-from shoecal_core.estimation.series import Series
+from shoecal_core.estimation.series import Mae, Series
 from shoecal_core.report import palette
 from shoecal_core.report.calibration_figures import (
     accuracy_pictures,

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shoecal_core.estimation.metrics import Mae
+from shoecal_core.estimation.series import Mae
 from shoecal_core.report.quantities import (
     UNKNOWN,
     mean_error,

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from core.report.pages import read_svg
-from shoecal_core.report.figures.left_out import RunSpan, left_out_in_time
 from shoecal_core.report.figures.named_bars import NamedBar, named_bars
 from shoecal_core.report.palette import RED
+from shoecal_core.report.screening_parts import RunSpan, left_out_in_time
 
 
 def test_error_sources_by_name() -> None:

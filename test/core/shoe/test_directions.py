@@ -2,9 +2,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.shoe import shoes
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError
 from shoecal_core.shoe.directions import describe_direction
 
@@ -36,9 +36,7 @@ NOTHING = np.zeros(8)
         ),
     ],
 )
-def test_pure_patterns_have_their_name(
-    gains: NDArray[np.float64], offsets: NDArray[np.float64], words: str
-) -> None:
+def test_pure_patterns_have_their_name(gains: FloatArray, offsets: FloatArray, words: str) -> None:
     assert describe_direction(NAO, np.concatenate((gains, offsets))) == words
     assert describe_direction(NAO, -0.1 * np.concatenate((gains, offsets))) == words
 

@@ -3,9 +3,9 @@ from __future__ import annotations
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from core.shoe import shoes
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.shoe.load_cases import double_support_outputs, single_support_outputs
 from shoecal_core.shoe.sensing import Sensing
@@ -47,7 +47,7 @@ def test_equal_springs_share_a_central_load_alike() -> None:
 
 
 def test_a_hanging_foot_reads_zero(shoe: Shoe) -> None:
-    outputs: NDArray[np.float64] = single_support_outputs(shoe, 0, FORCE, PLACES)
+    outputs: FloatArray = single_support_outputs(shoe, 0, FORCE, PLACES)
     got = sensing(shoe).measure(outputs)
     np.testing.assert_allclose(got.grf, [[FORCE, 0.0]] * len(PLACES), atol=1e-12)
     np.testing.assert_allclose(got.cop[:, 0], PLACES, atol=1e-12)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from core.simulation.worlds import PERFECT, World, changed
-from shoecal_core.simulation.encoders import Encoders
+from shoecal_core.simulation.joint_sensors import Encoders
 from shoecal_core.simulation.robot import SimulatedRobot
 from shoecal_core.simulation.sampled_robot import draw, draw_body
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from ros.bodies import nao
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_ros.adapters.foreign import PackageMissingError, foreign
@@ -64,7 +64,7 @@ def drawn_motions(draw: st.DrawFn) -> JointTrajectory:
     return JointTrajectory(tuple(names), times, positions)
 
 
-def sampled(stream: Stream, times: NDArray[np.float64]) -> NDArray[np.float64]:
+def sampled(stream: Stream, times: FloatArray) -> FloatArray:
     """(T, k) set points."""
     points = [point for time_s in times if (point := stream.at(float(time_s))) is not None]
     assert len(points) == len(times)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
 from shoecal_msgs.action import Plan
 from std_srvs.srv import SetBool
@@ -13,12 +12,13 @@ from ros.adapters.conftest import Begin
 from ros.bodies import nao
 from ros.nodes.test_planner_node import QUICK
 from ros.world import Received
+from shoecal_core.arrays import FloatArray
 from shoecal_ros.common import qos
 
 FAST = {**QUICK, "planning.com_speed": 0.1, "planning.hold_time": 0.2, "planning.joint_speed": 0.4}
 
 
-def legs(heard: Received) -> NDArray[np.float64]:
+def legs(heard: Received) -> FloatArray:
     """Angles of the planned joints, as the robot tells them [rad]."""
     message = heard.last
     reported = dict(zip(message.name, message.position, strict=True))

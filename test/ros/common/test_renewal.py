@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_ros.common.renewal import TIMEOUT_S, Renewal
 
@@ -32,10 +32,10 @@ class Robot:
     def take(self, begun: float, piece: JointTrajectory) -> None:
         self._begun, self._piece = begun, piece
 
-    def at(self, time: float) -> NDArray[np.float64]:
+    def at(self, time: float) -> FloatArray:
         return self._piece.at(np.array(time - self._begun))
 
-    def speed(self, time: float) -> NDArray[np.float64]:
+    def speed(self, time: float) -> FloatArray:
         return self._piece.rates(np.array(time - self._begun))
 
 

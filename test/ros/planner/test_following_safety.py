@@ -1,12 +1,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_ros.planner.following import DeflectionCompensation
 
 
-def part(begin: float, end: float) -> NDArray[np.float64]:
+def part(begin: float, end: float) -> FloatArray:
     return np.array([[begin, 0.0], [end, 0.0]])
 
 

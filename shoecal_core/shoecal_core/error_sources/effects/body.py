@@ -16,6 +16,24 @@ from shoecal_core.samples.known_weight import carried
 from shoecal_core.samples.samples import Samples
 from shoecal_core.shoe.priors import USUAL_WEIGHT
 
+
+class Inertia:
+    """The CoP is the zero-moment point, which accelerations move off the CoM's projection."""
+
+    identifier, group = "inertia", "dynamics"
+    components = (Component("factor", "", 1.0, 0.0),)
+
+    def places(self, signal_model: SignalModel) -> Iterator[Place]:
+        """The whole body."""
+        yield ()
+
+    def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
+        """Of the whole body: -h a / g of its CoM, and what its angular momentum adds."""
+        # In slow motions it is taken for granted, whatever else is looked for.
+        if signal_model.fast:
+            yield Shape(("factor",), signal_model.dynamic[None])
+
+
 LEAST_MASS = 0.01
 """Links lighter than this share of the robot are not looked at."""
 FRICTION = (0.05, 0.2)

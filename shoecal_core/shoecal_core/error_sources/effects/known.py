@@ -9,7 +9,6 @@ from shoecal_core.error_sources.base import Effect
 from shoecal_core.error_sources.effects import (
     body,
     contact,
-    dynamics,
     geometry,
     load_cell,
     timing,
@@ -42,7 +41,7 @@ EFFECTS: tuple[Effect, ...] = (
     contact.Slip(),
     contact.FloorTilt(),
     contact.SoftGround(),
-    dynamics.Inertia(),
+    body.Inertia(),
 )
 """In the order of the documentation."""
 MEMBERS = ("identifier", "group", "components", "places", "shapes")

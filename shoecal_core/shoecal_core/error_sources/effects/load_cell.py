@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
-from shoecal_core.arrays import BoolArray, FloatArray
+from shoecal_core.arrays import BoolArray, FloatArray, IntArray
 from shoecal_core.error_sources.base import Component, Place, Shape, one_of
 from shoecal_core.error_sources.effects import places
 from shoecal_core.error_sources.signal_model import SignalModel
@@ -25,7 +24,7 @@ WARM_UP = 0.3
 """Time constant of what warms up, as a share of the session."""
 
 
-def shown(signal_model: SignalModel, channels: NDArray[np.int64], values: FloatArray) -> FloatArray:
+def shown(signal_model: SignalModel, channels: IntArray, values: FloatArray) -> FloatArray:
     """(T, s) when these channels show `values` (T, k) [N or N m] more than they feel."""
     change = np.zeros_like(signal_model.outputs)
     change[:, channels] = values
@@ -229,7 +228,7 @@ def _flat(shown_: FloatArray, expected: FloatArray, share: float) -> bool:
 
 
 def _alike_or_each(
-    signal_model: SignalModel, channels: NDArray[np.int64], name: str, values: FloatArray
+    signal_model: SignalModel, channels: IntArray, name: str, values: FloatArray
 ) -> Iterator[Shape]:
     """What shows as values (T, k) a unit: by one number for all channels, or by one for each."""
     yield Shape((name,), shown(signal_model, channels, values)[None])

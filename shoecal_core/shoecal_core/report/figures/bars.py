@@ -10,7 +10,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
-from shoecal_core.estimation.metrics import Mae
+from shoecal_core.estimation.series import Mae
 from shoecal_core.report.palette import INK, MUTED, Look
 from shoecal_core.report.svg import SMALL, area_key, canvas, readable, y_label
 

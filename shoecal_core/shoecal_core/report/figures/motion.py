@@ -9,9 +9,8 @@ import numpy as np
 import pinocchio as pin
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.errors import ShapeError
 from shoecal_core.report.palette import BLUE, MUTED, RED, RULE, SLATE, Colour
 from shoecal_core.report.svg import SMALL, WIDTH, canvas
@@ -38,7 +37,7 @@ class Skeleton:
     """
 
     bones: FloatArray
-    side: NDArray[np.int64]
+    side: IntArray
     soles: tuple[FloatArray, FloatArray]
     capsules: FloatArray
     com: FloatArray

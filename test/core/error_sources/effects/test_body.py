@@ -21,6 +21,7 @@ from shoecal_core.error_sources.body import driven_together
 from shoecal_core.error_sources.effects import body
 from shoecal_core.error_sources.effects.body import (
     Backlash,
+    Inertia,
     JointCompliance,
     JointFriction,
     JointOffset,
@@ -28,7 +29,6 @@ from shoecal_core.error_sources.effects.body import (
     Payload,
     TotalMass,
 )
-from shoecal_core.error_sources.effects.dynamics import Inertia
 from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.signals import AIR, COP, GRF, SIGNALS
 from shoecal_core.robot.robot import GRAVITY, Robot

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.error_sources.altered import (
     askew,
@@ -18,7 +17,7 @@ from core.error_sources.altered import (
     with_robot,
 )
 from core.error_sources.shows import assert_shows, shape, told
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources import body
 from shoecal_core.error_sources.effects.contact import FloorTilt, FootPlacement, Slip, SoftGround
@@ -157,9 +156,7 @@ def nearly(found: float | None, onset: float, run: int | None) -> bool:
     return run == 1 and found is not None and abs(found - onset) < 0.3
 
 
-def slipped(
-    signal_model: SignalModel, foot: str, move: FloatArray, later: NDArray[np.bool_]
-) -> Samples:
+def slipped(signal_model: SignalModel, foot: str, move: FloatArray, later: BoolArray) -> Samples:
     """The legs follow a foot that moves by (3,) dx, dy, dtheta in its own frame."""
     samples = signal_model.samples
     states = samples.states
