@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from functools import cached_property
 from typing import TypeVar
 
 import casadi as ca
@@ -66,23 +67,29 @@ def ipopt_options(settings: PlannerSettings) -> dict[str, bool | int | float | s
 
 
 class IpoptSolver:
-    """Solves the whole problem at once; one for every step and support."""
+    """Solves the whole problem at once; one for every step and support.
+
+    The problem is written out when it is first asked for: that takes seconds, and where the fast
+    solver converges nothing asks.
+    """
 
     def __init__(self, collocation: Collocation, solver: ca.Function | None = None) -> None:
-        """Build the problem.
+        """Take the functions of one state.
 
         Args:
-            collocation: the functions of one state.
+            collocation: these functions.
             solver: made by nlpsol from `horizon_nlp` in another way, if it shall be.
         """
         self._collocation = collocation
         self._edges = collocation.edges
-        self._solver = solver or ca.nlpsol(
-            "horizon",
-            "ipopt",
-            horizon_nlp(collocation, ca.SX),
-            ipopt_options(collocation.settings),
-        )
+        self._given = solver
+
+    @cached_property
+    def _solver(self) -> ca.Function:
+        if self._given is not None:
+            return self._given
+        problem = horizon_nlp(self._collocation, ca.SX)
+        return ca.nlpsol("horizon", "ipopt", problem, ipopt_options(self._collocation.settings))
 
     def solve(self, problem: HorizonProblem, guess: FloatArray) -> HorizonSolution:
         """States (N, k) from a guess of them (N, k) [rad]; see Solver."""
