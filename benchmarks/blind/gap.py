@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from blind.felt import Felt
 from shoecal_core.estimation.fit import fit_parameters
 from shoecal_core.estimation.initial_guess import initial_guess
 from shoecal_core.estimation.residuals import unpack
@@ -30,6 +31,10 @@ from shoecal_core.shoe.sensing import Sensing
 FloatArray = NDArray[np.float64]
 
 _NO_OFFSET_S = 1e-6
+_EVERY = 5
+"""Samples are similar to their neighbours."""
+_MM_PER_N = 10.0
+"""Error of CoP that counts as much as one of GRF, about as their floors."""
 _MEDIAN_SQUARE = 0.4549
 """Median of the square of a normal number of unit deviation."""
 
@@ -62,6 +67,10 @@ class MeasuredGap:
             math.hypot(self.grf_n, floor.grf_noise_n) / grf,
         )
 
+    def largest(self, floor: MeasuredGap) -> float:
+        """The larger of both over the floor's, noise left out of either."""
+        return max(self.cop_mm / floor.cop_mm, self.grf_n / floor.grf_n)
+
     @property
     def with_noise(self) -> tuple[float, float]:
         """Errors of CoP [mm] and GRF [N] as they are read."""
@@ -88,6 +97,34 @@ def measure_gap(session: Session, also: Sequence[int] = ()) -> MeasuredGap:
     sensing = Sensing(data.shoe, parameters)
     found = [_errors(sensing, data.of(runs)) for runs in (test, *([run] for run in also))]
     return MeasuredGap(*np.max([dataclasses.astuple(one) for one in found], axis=0).tolist())
+
+
+def gap_of_change(felt: Felt, change: FloatArray) -> MeasuredGap:
+    """What a change of forces makes of the errors on test runs once gains and offsets are refitted.
+
+    To first order: changes of GRF and CoP are linear in those of forces, and so is what gains and
+    offsets can take away.
+
+    Args:
+        felt: before the change.
+        change: (T, n) of the forces [N].
+    """
+    rows = slice(None, None, _EVERY)
+    forces, columns = felt.forces[rows], felt.columns[rows]
+    load, about_x, about_y = np.einsum("tn,tnw->wt", forces, columns)[:, :, None]
+    grf = columns[:, :, 0]
+    cop_x = (-columns[:, :, 2] + about_y / load * grf) / load
+    cop_y = (columns[:, :, 1] - about_x / load * grf) / load
+    signals = np.stack((grf * _MM_PER_N, 1e3 * cop_x, 1e3 * cop_y))
+    base = np.concatenate((signals * forces, signals), axis=2)
+    target = np.einsum("stn,tn->st", signals, change[rows])
+    training = felt.training[rows]
+    own = base[:, training].reshape(-1, base.shape[2])
+    fitted = np.linalg.lstsq(own, target[:, training].ravel(), rcond=None)[0]
+    left = (target - base @ fitted)[:, ~training]
+    return MeasuredGap(
+        float(np.hypot(left[1], left[2]).mean()), float(np.abs(left[0]).mean()) / _MM_PER_N
+    )
 
 
 def _errors(sensing: Sensing, stances: Sequence[Stance]) -> MeasuredGap:

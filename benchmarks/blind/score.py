@@ -9,6 +9,7 @@ from pathlib import Path
 from blind.answers import check_seal
 from blind.cases import Case, load_cases, variant_cases
 from blind.chart import write_chart
+from blind.entries import compared
 from blind.figures import AS_BUILT, CLEAN, Figure, figures, shrink_figures
 from blind.layout import Round
 from blind.page import FIGURE, write
@@ -51,7 +52,7 @@ def score(
             "floor, as built: CoP [mm], GRF [N]": f"{cop:.2f}, {grf:.3f}",
             "floor, clean: CoP [mm], GRF [N]": f"{clean_cop:.2f}, {clean_grf:.3f}",
         }
-        write(about, found, cases, without, project)
+        write(about, found, cases, without, compared(place, cases), project)
     return found
 
 

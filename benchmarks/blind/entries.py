@@ -1,0 +1,104 @@
+"""Answers of others to a round's sets: each set once, scored as the diagnosis is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from blind.baselines import baselines
+from blind.cases import UNKNOWN, Case, variant_cases
+from blind.figures import Figure, rate
+from blind.layout import Round, set_name
+from blind.processes import over
+from blind.submit import Ledger, Submission
+from pages import Row
+from shoecal_core.errors import ShoecalError
+from shoecal_core.files import atomic_write
+
+OURS = "shoecal"
+_ENTRY = "entry_"
+
+
+def enter(place: Round, name: str, answers: Mapping[int, bytes]) -> None:
+    """Keep somebody's answers, by number of the set, as JSON; see README.md for what they say.
+
+    Raises:
+        ShoecalError: for a second answer to a set.
+    """
+    ledger = Ledger(place.ledger)
+    for number, answer in answers.items():
+        one = Submission(number, place.recorded(number), f"{_ENTRY}{name}")
+        file = place.diagnosis(number, one.variant)
+        file.parent.mkdir(parents=True, exist_ok=True)
+        ledger.enter(one, answer)
+        atomic_write(file, answer)
+
+
+def enter_folder(place: Round, name: str, folder: Path) -> int:
+    """Keep the answers of a folder, one `set_0001.json` a set; how many there are."""
+    numbers = [number for number in recorded(place) if _file(folder, number).is_file()]
+    if not numbers:
+        raise ShoecalError(f"{folder}: holds no answer to any set of {place.folder}")
+    enter(place, name, {number: _file(folder, number).read_bytes() for number in numbers})
+    return len(numbers)
+
+
+def enter_baselines(place: Round, jobs: int) -> None:
+    """Let the baselines answer what they have not answered yet."""
+    known = Ledger(place.ledger).entries()
+    todo = [one for one in recorded(place) if f"{one} {_ENTRY}BIC" not in known]
+    said = over(baselines, [place.recorded(one) for one in todo], jobs)
+    for number, answers in zip(todo, said, strict=True):
+        for name, answer in answers.items():
+            enter(place, name, {number: answer})
+        print(f"baselines: {set_name(number)}", flush=True)
+
+
+def recorded(place: Round) -> list[int]:
+    """Numbers of the sets that were made."""
+    folders = sorted(place.recorded(0).parent.glob("set_*"))
+    return [int(folder.name.removeprefix("set_")) for folder in folders]
+
+
+def compared(place: Round, cases: Sequence[Case]) -> list[Row]:
+    """Figures of the diagnosis and of every entry, one column each; none without entries."""
+    folders = sorted(place.diagnosis(0).parents[1].glob(f"{_ENTRY}*"))
+    names = [folder.name.removeprefix(_ENTRY) for folder in folders]
+    of = {OURS: list(cases)}
+    of |= {name: variant_cases(place, cases, f"{_ENTRY}{name}") for name in names}
+    columns = {name: figures(own) for name, own in of.items()}
+    if not names:
+        return []
+    return [
+        {"figure": says, **{name: _shown(column[says]) for name, column in columns.items()}}
+        for says in columns[OURS]
+    ]
+
+
+def figures(cases: Sequence[Case]) -> dict[str, Figure]:
+    """What can be asked of any answer, whatever the robot was, by what it says."""
+    gaps = [case for case in cases if case.answer.category != "clean" and case.certain]
+    single = [case for case in gaps if case.answer.category == "single"]
+    unknown = [case for case in gaps if case.answer.category == "unknown"]
+    clean = [case for case in cases if case.answer.category == "clean"]
+    hits = {
+        "found": [case.found for case in gaps],
+        "right effect first, of single ones": [case.first_right for case in single],
+        "wrong effect first, of single ones": [
+            bool(case.causes) and not case.first_right for case in single
+        ],
+        "healthy robots with a cause named": [bool(case.causes) for case in clean],
+        "unknown effects called unknown": [case.verdict == UNKNOWN for case in unknown],
+    }
+    return {says: rate(says, each) for says, each in hits.items()}
+
+
+def _shown(figure: Figure) -> str:
+    if figure.value is None or figure.interval is None:
+        return "not measured"
+    low, high = figure.interval
+    return f"{figure.value:.2f} ({low:.2f} to {high:.2f}) of {figure.count}"
+
+
+def _file(folder: Path, number: int) -> Path:
+    return folder / f"{set_name(number)}.json"
