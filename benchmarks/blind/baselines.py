@@ -112,7 +112,7 @@ def by_f_tests(regression: Regression) -> dict[str, object]:
     while len(chosen) < MOST_CAUSES:
         gains, free = search.gains(), search.count - search.fitted - parameters
         ratio = (gains / parameters) / ((search.squares - gains) / free)
-        chance = f_distribution.logsf(ratio, parameters, free)
+        chance: FloatArray = np.asarray(f_distribution.logsf(ratio, parameters, free))
         # Beyond what numbers hold, the larger ratio is the less likely one.
         order = np.lexsort((-ratio, chance)).tolist()
         first = first or order

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -16,6 +17,9 @@ from shoecal_core.errors import ShoecalError
 from shoecal_core.files import atomic_write
 
 OURS = "shoecal"
+ANSWER = {"verdict", "causes", "ambiguity_set", "where"}
+CAUSE = {"effect", "class", "location", "probability", "size"}
+"""Keys of an answer and of each of its causes."""
 _ENTRY = "entry_"
 
 
@@ -39,6 +43,8 @@ def enter_folder(place: Round, name: str, folder: Path) -> int:
     numbers = [number for number in recorded(place) if _file(folder, number).is_file()]
     if not numbers:
         raise ShoecalError(f"{folder}: holds no answer to any set of {place.folder}")
+    for number in numbers:
+        _check(_file(folder, number))
     enter(place, name, {number: _file(folder, number).read_bytes() for number in numbers})
     return len(numbers)
 
@@ -91,6 +97,18 @@ def figures(cases: Sequence[Case]) -> dict[str, Figure]:
         "unknown effects called unknown": [case.verdict == UNKNOWN for case in unknown],
     }
     return {says: rate(says, each) for says, each in hits.items()}
+
+
+def _check(file: Path) -> None:
+    """Refuse an answer that could not be scored, before it counts."""
+    try:
+        said = json.loads(file.read_text())
+    except ValueError as error:
+        raise ShoecalError(f"{file}: no JSON: {error}") from error
+    causes = said.get("causes", []) if isinstance(said, dict) else []
+    for what, keys in ((said, ANSWER), *((cause, CAUSE) for cause in causes)):
+        if not isinstance(what, dict) or not keys <= what.keys():
+            raise ShoecalError(f"{file}: needs {', '.join(sorted(keys))}; got {what!r:.200}")
 
 
 def _shown(figure: Figure) -> str:
