@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -71,7 +72,7 @@ def compared(place: Round, cases: Sequence[Case]) -> list[Row]:
     folders = sorted(place.diagnosis(0).parents[1].glob(f"{_ENTRY}*"))
     names = [folder.name.removeprefix(_ENTRY) for folder in folders]
     of = {OURS: list(cases)}
-    of |= {name: variant_cases(place, cases, f"{_ENTRY}{name}") for name in names}
+    of |= {name: _answered(place, cases, name) for name in names}
     columns = {name: figures(own) for name, own in of.items()}
     if not names:
         return []
@@ -79,6 +80,12 @@ def compared(place: Round, cases: Sequence[Case]) -> list[Row]:
         {"figure": says, **{name: _shown(column[says]) for name, column in columns.items()}}
         for says in columns[OURS]
     ]
+
+
+def _answered(place: Round, cases: Sequence[Case], name: str) -> list[Case]:
+    """The same sets as an entry answers them; who leaves one out has found nothing in it."""
+    given = {case.answer.number: case for case in variant_cases(place, cases, f"{_ENTRY}{name}")}
+    return [given.get(one.answer.number, dataclasses.replace(one, said=None)) for one in cases]
 
 
 def figures(cases: Sequence[Case]) -> dict[str, Figure]:

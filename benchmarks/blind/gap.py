@@ -35,8 +35,6 @@ _EVERY = 5
 """Samples are similar to their neighbours."""
 _MM_PER_N = 10.0
 """Error of CoP that counts as much as one of GRF, about as their floors."""
-_MEDIAN_SQUARE = 0.4549
-"""Median of the square of a normal number of unit deviation."""
 
 
 @dataclass(frozen=True)
@@ -80,11 +78,12 @@ class MeasuredGap:
         )
 
 
-def measure_gap(session: Session, also: Sequence[int] = ()) -> MeasuredGap:
+def measure_gap(session: Session, noise: MeasuredGap, also: Sequence[int] = ()) -> MeasuredGap:
     """Fit the runs that are marked to train, and look at the ones marked to test.
 
     Args:
         session: of the set.
+        noise: what the cells' noise alone makes, whatever its colour.
         also: runs to look at besides, each by itself: where something happens once. The larger
             errors count.
     """
@@ -95,7 +94,7 @@ def measure_gap(session: Session, also: Sequence[int] = ()) -> MeasuredGap:
     guess = initial_guess(data.shoe, training, weight_row=False)
     parameters, _ = unpack(fit_parameters(data.shoe, training, guess, settings).vector)
     sensing = Sensing(data.shoe, parameters)
-    found = [_errors(sensing, data.of(runs)) for runs in (test, *([run] for run in also))]
+    found = [_errors(sensing, data.of(runs), noise) for runs in (test, *([run] for run in also))]
     return MeasuredGap(*np.max([dataclasses.astuple(one) for one in found], axis=0).tolist())
 
 
@@ -127,27 +126,15 @@ def gap_of_change(felt: Felt, change: FloatArray) -> MeasuredGap:
     )
 
 
-def _errors(sensing: Sensing, stances: Sequence[Stance]) -> MeasuredGap:
+def _errors(sensing: Sensing, stances: Sequence[Stance], noise: MeasuredGap) -> MeasuredGap:
     pairs = [(measured_series(sensing, one), modelled_series(one)) for one in stances]
     found = errors(pairs)
-    # Means of lengths and of sizes of normal numbers, from their standard deviations.
-    cop_noise = math.sqrt(math.pi / 4.0) * white_noise([one.cop for one, _ in pairs])
-    grf_noise = math.sqrt(2.0 / math.pi) * white_noise([one.grf[:, None] for one, _ in pairs])
     return MeasuredGap(
-        1e3 * _without(found.cop.mean, cop_noise),
-        _without(found.grf.mean, grf_noise),
-        1e3 * cop_noise,
-        grf_noise,
+        _without(1e3 * found.cop.mean, noise.cop_mm),
+        _without(found.grf.mean, noise.grf_n),
+        noise.cop_mm,
+        noise.grf_n,
     )
-
-
-def white_noise(series: list[FloatArray]) -> float:
-    """Standard deviation of white noise on series (T, k), all k together.
-
-    From second differences: what a robot does is smooth from sample to sample.
-    """
-    bends = np.concatenate([np.diff(one, n=2, axis=0) for one in series])
-    return float(np.sqrt(np.median(bends**2, axis=0).sum() / (6.0 * _MEDIAN_SQUARE)))
 
 
 def _without(error: float, noise: float) -> float:

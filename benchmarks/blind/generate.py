@@ -52,8 +52,10 @@ def _make(place: Round, answer: Answer) -> str:
     try:
         recorded = make_set(place, answer)
         once = [truth.run for truth in answer.truths if truth.run is not None]
-        gap = measure_gap(Session.open(folder), once)
-        came = {**recorded._asdict(), **dataclasses.asdict(gap)}
+        gap = measure_gap(Session.open(folder), recorded.noise, once)
+        came = {
+            "starts": recorded.starts, "sizes": recorded.sizes, **dataclasses.asdict(gap),
+        }  # fmt: skip
     except ShoecalError as error:
         came = {"failed": str(error)}
     atomic_write(place.made(answer.number), json.dumps(came).encode(), 0o600)

@@ -47,6 +47,7 @@ def score(
             "command": command,
             "answers, SHA-256": check_seal(place),
             "sets": ", ".join(f"{count} {name}" for name, count in sorted(counts.items())),
+            "laws of cells and timing": "drawn for each set",
             "worlds as built": sum(case.answer.as_built for case in cases),
             "sets that could not be simulated (the robot fell)": failed,
             "floor, as built: CoP [mm], GRF [N]": f"{cop:.2f}, {grf:.3f}",

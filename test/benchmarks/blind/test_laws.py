@@ -166,6 +166,13 @@ def test_what_gains_and_offsets_can_be_makes_no_gap() -> None:
     assert gap.grf_n < 1e-6
 
 
+def test_white_noise_makes_the_gap_that_normal_numbers_have() -> None:
+    noise = np.random.default_rng(5).normal(0.0, 0.1, FELT.forces.shape)
+    assert gap_of_change(FELT, noise).grf_n == pytest.approx(
+        0.1 * np.sqrt(8.0 * 2.0 / np.pi), rel=0.15
+    )
+
+
 def test_an_effect_has_a_law_that_is_drawn_or_a_size_that_is() -> None:
     assert not set(LAWS) & set(LIMITS)
     assert set(LAWS) | set(LIMITS) | {"swapped_cells"} == set(EFFECTS)
