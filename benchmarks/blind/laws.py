@@ -39,7 +39,7 @@ class Law:
     shown: Callable[[float], FloatArray]
 
 
-def _added(felt: Felt, channels: IntArray, unit: FloatArray, most: float) -> Law:
+def added(felt: Felt, channels: IntArray, unit: FloatArray, most: float) -> Law:
     """A law that adds to channels (k,) its size times (T, k) [N]."""
 
     def shown(size: float) -> FloatArray:
@@ -59,7 +59,7 @@ def nonlinearity(felt: Felt, channels: IntArray, rng: Generator) -> Law:
     """Size: part of the way from the straight line to a monotone curve of the cell's range."""
     top = _top(felt, channels)
     load = felt.forces[:, channels] / top
-    return _added(felt, channels, top * (monotone(rng)(load) - load), 1.0)
+    return added(felt, channels, top * (monotone(rng)(load) - load), 1.0)
 
 
 def saturation(felt: Felt, channels: IntArray, rng: Generator) -> Law:
@@ -92,7 +92,7 @@ def hysteresis(felt: Felt, channels: IntArray, rng: Generator) -> Law:
             state = np.clip(state, forces[index] - radii, forces[index] + radii)
             states[index] = state
     width = float(weights @ radii) / top
-    return _added(felt, channels, (states - forces) @ weights / width, width)
+    return added(felt, channels, (states - forces) @ weights / width, width)
 
 
 def creep(felt: Felt, channels: IntArray, rng: Generator) -> Law:
@@ -109,7 +109,7 @@ def creep(felt: Felt, channels: IntArray, rng: Generator) -> Law:
         short = forces[index] - state
         state = state + short * -np.expm1(-step / (times * np.where(short > 0.0, 1.0, recovery)))
         crept[index] = state @ weights
-    return _added(felt, channels, crept, 0.5)
+    return added(felt, channels, crept, 0.5)
 
 
 def _course(felt: Felt, rng: Generator) -> FloatArray:
@@ -122,13 +122,13 @@ def _course(felt: Felt, rng: Generator) -> FloatArray:
 def zero_drift(felt: Felt, channels: IntArray, rng: Generator) -> Law:
     """Size: farthest that a zero comes, over the largest load."""
     course = _top(felt, channels) * _course(felt, rng)
-    return _added(felt, channels, course[:, None] * rng.uniform(0.6, 1.4, len(channels)), 0.5)
+    return added(felt, channels, course[:, None] * rng.uniform(0.6, 1.4, len(channels)), 0.5)
 
 
 def span_drift(felt: Felt, channels: IntArray, rng: Generator) -> Law:
     """Size: farthest that a gain comes, over 1."""
     course = _course(felt, rng)[:, None] * rng.uniform(0.6, 1.4, len(channels))
-    return _added(felt, channels, felt.forces[:, channels] * course, 0.5)
+    return added(felt, channels, felt.forces[:, channels] * course, 0.5)
 
 
 def crosstalk(felt: Felt, channels: IntArray, rng: Generator) -> Law:
@@ -136,7 +136,7 @@ def crosstalk(felt: Felt, channels: IntArray, rng: Generator) -> Law:
     top = _top(felt, channels[1:])
     load = felt.forces[:, channels[1:]] / top
     heard = rng.choice([-1.0, 1.0]) * 0.5 * top * (load + monotone(rng)(load))
-    return _added(felt, channels[:1], heard, 0.5)
+    return added(felt, channels[:1], heard, 0.5)
 
 
 def stuck_cell(felt: Felt, channels: IntArray, rng: Generator, onset: float = 0.0) -> Law:
@@ -145,7 +145,7 @@ def stuck_cell(felt: Felt, channels: IntArray, rng: Generator, onset: float = 0.
     since = (felt.time - onset) / np.exp(rng.uniform(np.log(0.05), np.log(3.0)))
     stuck = np.clip(monotone(rng)(since), 0.0, 1.0)
     wandering = hold * (1.0 + 0.03 * Smooth.drawn(20.0, rng)(felt.time))
-    return _added(felt, channels, (stuck * (wandering - felt.forces[:, channels[0]]))[:, None], 1.0)
+    return added(felt, channels, (stuck * (wandering - felt.forces[:, channels[0]]))[:, None], 1.0)
 
 
 def _late(felt: Felt, channels: IntArray, lag: FloatArray) -> FloatArray:

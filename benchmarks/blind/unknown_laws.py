@@ -1,5 +1,7 @@
-"""Effects outside the library whose laws are drawn: a foot's cells show a function of what they
-should not know."""
+"""Effects outside the library whose laws are drawn.
+
+Cells of one foot show, in addition to their force, a random function of what they should not know.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,7 @@ from numpy.typing import NDArray
 
 from blind.felt import Felt
 from blind.functions import Smooth
-from blind.laws import Law
+from blind.laws import Law, added
 
 FloatArray = NDArray[np.float64]
 Generator = np.random.Generator
@@ -55,10 +57,4 @@ def unknown_law(felt: Felt, kind: str, seed: int) -> Law:
     channels = felt.shoe.of_foot(foot)
     ear = rng.uniform(0.4, 1.6, len(channels)) * rng.choice([-1.0, 1.0], len(channels))
     unit = felt.forces.max() * FUNCTIONS[kind](felt, foot, rng)[:, None] * ear
-
-    def shown(size: float) -> FloatArray:
-        forces = felt.forces.copy()
-        forces[:, channels] += size * unit
-        return forces
-
-    return Law(MOST, shown)
+    return added(felt, channels, unit, MOST)
