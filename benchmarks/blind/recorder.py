@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from blind.answers import Answer, Foreign, Truth
 from blind.felt import Felt, felt
-from blind.gap import MeasuredGap, gap_of_change
+from blind.gap import AddedNoise, gap_of_change
 from blind.laws import drawn_law
 from blind.motions import PlannedMotion
 from blind.noise import coloured
@@ -44,12 +44,12 @@ class Recorded(NamedTuple):
     Attributes:
         starts: when each run's recording began, in the simulated robot's session time [s].
         sizes: of the drawn laws, those of its effects and then of what is unknown; see `laws`.
-        noise: errors that the cells' noise alone makes.
+        noise: of its cells.
     """
 
     starts: list[float]
     sizes: list[float]
-    noise: MeasuredGap
+    noise: AddedNoise
 
 
 def record(
@@ -102,12 +102,13 @@ def record(
     shapes = [one.shape for one in forces]
     colour = [coloured(shape, rate, answer.slope, noise_rng) for shape in shapes]
     noise = drawn.shoes.noise * np.concatenate(colour)
+    added = noise / converter.gain
     begun = folder.with_name(f".{folder.name}")
     shutil.rmtree(begun, ignore_errors=True)
     session = Session.create(begun, robot.path, robot.urdf, shoe.path)
     begin_ns = int(rng.integers(15_000, 20_000)) * _DAY_NS + int(rng.integers(_DAY_NS))
     for motion, samples, part, start in zip(motions, runs, shown.runs, starts, strict=True):
-        voltages = (shown.forces[part] + noise[part] - converter.offset) / converter.gain
+        voltages = (shown.forces[part] - converter.offset) / converter.gain + added[part]
         readings = dataclasses.replace(samples.readings, voltages=voltages)
         start_ns = begin_ns + round(1e9 * (start - starts[0]))
         record_run(
@@ -117,7 +118,16 @@ def record(
     shutil.rmtree(begun / TRUTH)
     shutil.rmtree(folder, ignore_errors=True)
     begun.rename(folder)
-    return Recorded(starts, sizes, gap_of_change(shown, noise))
+    parts = list(enumerate(shown.runs, start=1))
+    return Recorded(
+        starts,
+        sizes,
+        AddedNoise(
+            {run: shown.since[part] for run, part in parts},
+            {run: added[part] for run, part in parts},
+            gap_of_change(shown, noise),
+        ),
+    )
 
 
 def _shown(answer: Answer, true: Felt) -> tuple[Felt, list[float]]:
