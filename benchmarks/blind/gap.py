@@ -120,7 +120,8 @@ def measure_gap(session: Session, noise: AddedNoise, also: Sequence[int] = ()) -
         stances = [noise.taken_off(one) for one in data.of(runs)]
         left = errors([(measured_series(sensing, one), modelled_series(one)) for one in stances])
         found.append((1e3 * left.cop.mean, left.grf.mean))
-    return MeasuredGap(*np.max(found, axis=0).tolist(), noise.alone.cop_mm, noise.alone.grf_n)
+    cop, grf = np.max(found, axis=0).tolist()
+    return MeasuredGap(cop, grf, noise.alone.cop_mm, noise.alone.grf_n)
 
 
 def gap_of_change(felt: Felt, change: FloatArray) -> MeasuredGap:
