@@ -97,6 +97,9 @@ def figures(cases: Sequence[Case]) -> dict[str, Figure]:
     hits = {
         "found": [case.found for case in gaps],
         "right effect first, of single ones": [case.first_right for case in single],
+        "right effect among three, of single ones": [
+            case.true_effects[0] in case.effects[:3] for case in single
+        ],
         "wrong effect first, of single ones": [
             bool(case.causes) and not case.first_right for case in single
         ],
