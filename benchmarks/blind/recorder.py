@@ -11,16 +11,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from blind.answers import Answer, Foreign, Truth
-from blind.felt import Felt, felt
+from blind.answers import Answer
+from blind.felt import felt
 from blind.gap import AddedNoise, gap_of_change
-from blind.laws import drawn_law
 from blind.motions import PlannedMotion
 from blind.noise import coloured
-from blind.sizing import sized
-from blind.unknown_laws import FUNCTIONS, unknown_law
+from blind.sizing import as_shown
 from blind.unknowns import Unknown
-from blind.world import over_perfect
 from population import RATE_HZ, nao
 from shoecal_core.recording.session import TRUTH, Session
 from shoecal_core.simulation.reality import PlantVariation
@@ -97,7 +94,7 @@ def record(
         own = converter.gain * samples.readings.voltages + converter.offset
         forces.append(own if foreign is None else foreign.forces(simulated, samples, own))
         runs.append(samples)
-    shown, sizes = _shown(answer, felt(shoe, motions, runs, forces, starts))
+    shown, sizes = as_shown(answer, felt(shoe, motions, runs, forces, starts))
     noise_rng = np.random.default_rng([answer.seed, 9])
     shapes = [one.shape for one in forces]
     colour = [coloured(shape, rate, answer.slope, noise_rng) for shape in shapes]
@@ -128,19 +125,3 @@ def record(
             gap_of_change(shown, noise),
         ),
     )
-
-
-def _shown(answer: Answer, true: Felt) -> tuple[Felt, list[float]]:
-    """Forces as all drawn laws show them, one after the other, and the sizes of these."""
-    shown, sizes = true, []
-    for one in (*answer.truths, answer.foreign):
-        if isinstance(one, Truth) and one.seed is not None:
-            law = drawn_law(shown, one.effect, one.location, one.seed, one.onset)
-        elif isinstance(one, Foreign) and one.kind in FUNCTIONS:
-            law = unknown_law(shown, one.kind, one.seed)
-        else:
-            continue
-        size, forces = sized(law, shown, over_perfect(answer, one.strength))
-        shown = dataclasses.replace(shown, forces=forces)
-        sizes.append(size)
-    return shown, sizes

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from blind.answers import Answer, Foreign, Truth
 from blind.draws import own_gap, unit_floor
 from blind.felt import Felt
 from blind.gap import gap_of_change
-from blind.laws import Law
+from blind.laws import Law, drawn_law
+from blind.unknown_laws import FUNCTIONS, unknown_law
+from blind.world import over_perfect
 
 _TRIES, _NEAR = 12, 0.05
 """Sizes tried, and how near to the aim, as a logarithm, is near enough."""
@@ -50,3 +54,19 @@ def _next(tried: dict[float, float]) -> float:
         return float(np.sqrt(below * above))
     (size, away) = list(tried.items())[-1]
     return size * float(np.exp(-np.clip(away, -3.0, 3.0)))
+
+
+def as_shown(answer: Answer, true: Felt) -> tuple[Felt, list[float]]:
+    """Forces as all drawn laws show them, one after the other, and the sizes of these."""
+    shown, sizes = true, []
+    for one in (*answer.truths, answer.foreign):
+        if isinstance(one, Truth) and one.seed is not None:
+            law = drawn_law(shown, one.effect, one.location, one.seed, one.onset)
+        elif isinstance(one, Foreign) and one.kind in FUNCTIONS:
+            law = unknown_law(shown, one.kind, one.seed)
+        else:
+            continue
+        size, forces = sized(law, shown, over_perfect(answer, one.strength))
+        shown = dataclasses.replace(shown, forces=forces)
+        sizes.append(size)
+    return shown, sizes

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from blind.answers import PERFECT, Answer, Truth
 from blind.catalogue import EFFECTS
 from blind.draws import LIMITS, draw_location, own_gap, unit_floor
 from blind.felt import Felt
 from blind.gap import gap_of_change
 from blind.laws import LAWS, channels_of, drawn_law
-from blind.sizing import sized
+from blind.sizing import as_shown, sized
 from blind.unknown_laws import FUNCTIONS, unknown_law
 from population import nao
 from shoecal_core.robot.double_support import DoubleSupport
@@ -157,6 +160,23 @@ def test_laws_are_as_large_as_was_asked_for(effect: str) -> None:
     found = sized(law, FELT, 3.0)
     own = gap_of_change(FELT, found.forces - FELT.forces).largest(unit_floor())
     assert found.size == law.most or own == pytest.approx(own_gap(3.0), rel=0.1)
+
+
+def test_two_drawn_effects_act_one_after_the_other_each_with_its_own_strength() -> None:
+    truths = (
+        Truth("zero_drift", CELL, {}, strength=3.0, seed=1),
+        Truth("floor_tilt", (), {"about_x": 0.01}, strength=3.0),
+        Truth("latency", ("all",), {}, strength=2.0, seed=2),
+    )
+    answer = Answer(1, "double", 7, 101, (0,), 1.0, imu=True, base=PERFECT, world={}, truths=truths)
+    shown, sizes = as_shown(answer, FELT)
+    assert len(sizes) == 2
+    first = drawn_law(FELT, "zero_drift", CELL, 1).shown(sizes[0])
+    between = dataclasses.replace(FELT, forces=first)
+    second = drawn_law(between, "latency", ("all",), 2).shown(sizes[1])
+    np.testing.assert_allclose(shown.forces, second)
+    own = gap_of_change(FELT, first - FELT.forces).largest(unit_floor())
+    assert own == pytest.approx(own_gap(3.0), rel=0.1)
 
 
 def test_what_gains_and_offsets_can_be_makes_no_gap() -> None:
