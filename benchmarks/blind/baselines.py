@@ -57,19 +57,21 @@ class Search:
         return float(self._left @ self._left)
 
     def gains(self) -> FloatArray:
-        """(C,) squares that each candidate would take away."""
-        return np.array(
-            [float(((self._free(part).T @ self._left) ** 2).sum()) for part in self._parts]
-        )
+        """(C,) squares that each candidate would take away; none where its size makes no sense."""
+        pairs = zip(self._candidates, self._parts, strict=True)
+        return np.array([self._gain(part, one.least) for one, part in pairs])
+
+    def _gain(self, part: slice, least: FloatArray) -> float:
+        columns = self._columns[:, part]
+        own = (columns**2).sum(axis=0) > _NOTHING * self._whole[part]
+        columns, least = columns[:, own], least[own]
+        moments = columns.T @ self._left
+        sizes = np.linalg.pinv(columns.T @ columns, rcond=_NOTHING, hermitian=True) @ moments
+        return float(sizes @ moments) if (sizes >= least).all() else 0.0
 
     def add(self, index: int) -> None:
         """Fit a candidate, too."""
         self._remove(self._columns[:, self._parts[index]])
-
-    def _free(self, part: slice) -> FloatArray:
-        """Orthonormal columns of what a candidate has of its own."""
-        columns = self._columns[:, part]
-        return _basis(columns[:, (columns**2).sum(axis=0) > _NOTHING * self._whole[part]])
 
     def _remove(self, columns: FloatArray) -> None:
         basis = _basis(columns)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.error_sources.base import Effect, Place, Shape
+from shoecal_core.error_sources.base import Effect, Place, Shape, lower_bounds
 from shoecal_core.error_sources.effects.known import EFFECTS
 from shoecal_core.error_sources.settings import SignalSettings
 from shoecal_core.error_sources.signal_model import SignalModel, make_signal_model
@@ -31,12 +31,14 @@ class Candidate:
     Attributes:
         effect, place: which and where.
         columns: (R, k) what a unit of each of its sizes adds to the residuals.
+        least: (k,) sizes below which it makes no sense.
         parameters: that are chosen with it, those of its form included.
     """
 
     effect: Effect
     place: Place
     columns: FloatArray
+    least: FloatArray
     parameters: int
 
 
@@ -73,7 +75,9 @@ def make_regression(folder: Path) -> Regression:
     signal = np.broadcast_to(np.arange(len(SIGNALS)), here.shape)[here]
     scale = _scales(base, residuals, signal)
     candidates = tuple(
-        Candidate(effect, place, columns / scale[:, None], _parameters(shape))
+        Candidate(
+            effect, place, columns / scale[:, None], _least(effect, shape), _parameters(shape)
+        )
         for effect in EFFECTS
         for place in effect.places(model)
         for shape in effect.shapes(model, place)
@@ -95,6 +99,11 @@ def _columns(model: SignalModel, shape: Shape) -> FloatArray:
     if shape.signal_model is None:
         return shape.columns
     return np.array([model.residuals - shape.signal_model.residuals])
+
+
+def _least(effect: Effect, shape: Shape) -> FloatArray:
+    """(k,) of a form's sizes; half of what changes the meaning of channels is none."""
+    return lower_bounds(effect, shape) if shape.signal_model is None else np.array([0.5])
 
 
 def _parameters(shape: Shape) -> int:

@@ -20,6 +20,7 @@ from shoecal_core.errors import ShoecalError
 
 FloatArray = NDArray[np.float64]
 ROWS = 2000
+LEAST = np.array([-1.0])
 
 
 def _regression(sizes: dict[int, float], seed: int = 1) -> Regression:
@@ -27,7 +28,7 @@ def _regression(sizes: dict[int, float], seed: int = 1) -> Regression:
     rng = np.random.default_rng(seed)
     base = rng.standard_normal((ROWS, 6))
     candidates = tuple(
-        Candidate(effect, ("left",), rng.standard_normal((ROWS, 1)) + base[:, :1], 1)
+        Candidate(effect, ("left",), rng.standard_normal((ROWS, 1)) + base[:, :1], LEAST, 1)
         for effect in EFFECTS
     )
     residuals = base @ rng.standard_normal(6) + rng.standard_normal(ROWS)
@@ -66,6 +67,11 @@ def test_f_tests_name_two_causes_the_larger_one_first() -> None:
 def test_f_tests_name_no_more_than_so_many() -> None:
     sizes = {index: 0.3 + 0.1 * index for index in range(MOST_CAUSES + 2)}
     assert len(_causes(_said("F-tests", _regression(sizes)))) == MOST_CAUSES
+
+
+@pytest.mark.parametrize("name", BASELINES)
+def test_a_size_that_makes_no_sense_is_no_cause(name: str) -> None:
+    assert EFFECTS[3].identifier not in _causes(_said(name, _regression({3: -1.5})))
 
 
 def _answer(number: int) -> Answer:
