@@ -37,6 +37,8 @@ class Truth:
         run: in which run of the session it happens; None where it is always there.
         onset: since that run's start, else since the session's [s]; None without.
         strength: its own gap over the floor as it was meant; 0 where it has no size.
+        seed: draws its law, whose size follows from the strength; None where the law is the
+            simulator's.
     """
 
     effect: str
@@ -45,6 +47,7 @@ class Truth:
     run: int | None = None
     onset: float | None = None
     strength: float = 0.0
+    seed: int | None = None
 
     @property
     def place(self) -> Place:
@@ -57,8 +60,8 @@ class Foreign:
     """Something that is not in the library.
 
     Attributes:
-        kind: name in `unknowns`.
-        size: in that kind's own unit.
+        kind: name in `unknowns` or `unknown_laws`.
+        size: in that kind's own unit; 0 where it follows from the strength.
         seed: draws the rest.
         strength: as of a Truth.
     """
@@ -85,6 +88,8 @@ class Answer:
         world: what it changes, by section.
         truths: effects it has.
         foreign: what it has beside the library.
+        built: times that the as-built errors are those of its base.
+        slope: of the spectrum of its cells' noise; 0: white.
     """
 
     number: int
@@ -98,6 +103,8 @@ class Answer:
     world: Mapping[str, Any]
     truths: tuple[Truth, ...] = ()
     foreign: Foreign | None = None
+    built: float = 1.0
+    slope: float = 0.0
 
     @property
     def as_built(self) -> bool:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from blind.answers import Answer, Category, Foreign, Truth
+from blind.answers import PERFECT, Answer, Category, Foreign, Truth
 from blind.catalogue import EFFECTS, exactly
 from blind.draws import (
     FOREIGN_LIMITS,
@@ -19,19 +19,22 @@ from blind.draws import (
     magnitude_of,
     unit_key,
 )
+from blind.laws import LAWS
+from blind.noise import STEEPEST
 from blind.recorder import HOLD_S, PAUSE_S
+from blind.unknown_laws import FUNCTIONS
 from blind.unknowns import KINDS
-from blind.world import draw_world
+from blind.world import draw_world, over_perfect
 from shoecal_core.planning.standard import STANDARD
 
-FULL = {"clean": 48, "single": 69, "double": 12, "unknown": 16}
+FULL = {"clean": 48, "single": 69, "double": 12, "unknown": 22}
 """Sets of a full round, by category."""
 LACKING = 0.1
 """Of the clean sets have no inertial sensor, and as many lack some motions."""
-AS_BUILT_FLOOR = 4.0
-"""Of a robot as built over that of a perfect one, about: effects have to stand out from it."""
 LEAST_PACE = 1.3
 """Motions that show inertia are faster than planned by this at least."""
+BUILT = (0.5, 2.5)
+"""Between which as-built errors are times those of their base."""
 Motions = Mapping[int, Sequence[float]]
 _UNLOADING = frozenset(("unload_left", "unload_right"))
 
@@ -84,6 +87,8 @@ def _blank(category: Category, rng: np.random.Generator, motions: Motions) -> An
         imu=True,
         base=base,
         world=world,
+        built=float(np.exp(rng.uniform(*np.log(BUILT)))) if base != PERFECT else 1.0,
+        slope=float(rng.uniform(0.0, STEEPEST)),
     )
 
 
@@ -121,20 +126,16 @@ def _double(count: int, rng: np.random.Generator, motions: Motions) -> Iterator[
 
 
 def _unknown(count: int, rng: np.random.Generator, motions: Motions) -> Iterator[Answer]:
-    names = list(KINDS)
+    names = [*KINDS, *FUNCTIONS]
     for index in range(count):
         turn, place = divmod(index, len(names))
         strength = STRENGTHS[(turn + place) % len(STRENGTHS)]
         answer, kind = _blank("unknown", rng, motions), names[place]
-        wanted = _over_perfect(answer, strength)
-        size = magnitude_of(f"unknown {kind}", wanted, FOREIGN_LIMITS[kind])
+        wanted = over_perfect(answer, strength)
+        drawn = kind in FUNCTIONS
+        size = 0.0 if drawn else magnitude_of(f"unknown {kind}", wanted, FOREIGN_LIMITS[kind])
         foreign = Foreign(kind, size, int(rng.integers(2**31)), strength)
         yield dataclasses.replace(answer, foreign=foreign)
-
-
-def _over_perfect(answer: Answer, strength: float) -> float:
-    """A gap over its own world's floor, over the floor of a perfect one."""
-    return AS_BUILT_FLOOR * strength if answer.as_built else strength
 
 
 def with_effect(
@@ -143,18 +144,19 @@ def with_effect(
 ) -> Answer:  # fmt: skip
     """One more effect of the table, at a random place."""
     location = draw_location(effect, str(rng.choice(EFFECTS[effect].places)), rng)
-    key = unit_key(effect, location)
-    magnitude = (
-        magnitude_of(key, _over_perfect(answer, strength), LIMITS[effect])
-        if effect in LIMITS
-        else 1.0
-    )
-    truth = Truth(effect, location, draw_size(effect, magnitude, rng), strength=strength)
+    magnitude = 1.0
+    if effect in LIMITS:
+        wanted = over_perfect(answer, strength)
+        magnitude = magnitude_of(unit_key(effect, location), wanted, LIMITS[effect])
+    if effect in LAWS:
+        truth = Truth(effect, location, {}, strength=strength, seed=int(rng.integers(2**31)))
+    else:
+        truth = Truth(effect, location, draw_size(effect, magnitude, rng), strength=strength)
     if effect == "slip":
         truth = slipping(answer, truth, rng, durations)
     if effect == "stuck_cell" and rng.uniform() < 0.5:
         onset = float(rng.uniform(0.1, 0.6) * _length(answer, durations))
-        truth = dataclasses.replace(truth, size={**truth.size, "time": onset}, onset=onset)
+        truth = dataclasses.replace(truth, size={"time": onset}, onset=onset)
     pace = max(LEAST_PACE, magnitude) if effect == "inertia" else answer.pace
     return dataclasses.replace(answer, truths=(*answer.truths, truth), pace=pace)
 

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from blind.gap import MeasuredGap
 from blind.layout import UNIT_SIZES
 from population import nao
 from shoecal_core.shoe.shoe import FEET
@@ -29,11 +30,6 @@ JOINTS = (
 LINKS = ("base", "LThigh_link", "RThigh_link", "LTibia_link", "RTibia_link")
 CARRIERS = (*LINKS, "Head_link", "LForeArm_link", "RForeArm_link")
 """Links that a payload may hang on."""
-
-_TYPICAL_N = 20.0
-"""Load of a cell at which a nonlinearity's magnitude is meant."""
-_HIGHEST_N = 20.0
-"""Load that a cell of the standing NAO hardly exceeds; a saturation cuts from here downwards."""
 
 
 def draw_location(effect: str, kind: str, rng: np.random.Generator) -> tuple[str, ...]:
@@ -74,33 +70,10 @@ def _plain(name: str) -> Callable[[float, np.random.Generator], Size]:
     return lambda magnitude, _: {name: magnitude}
 
 
-def _bent(magnitude: float, rng: np.random.Generator) -> Size:
-    """Nonlinearity: how far off a cell is at its typical load, by both terms together."""
-    way = rng.uniform(0.0, 2.0 * np.pi)
-    return {
-        "quadratic": float(magnitude * np.cos(way) / _TYPICAL_N),
-        "cubic": float(0.5 * magnitude * np.sin(way) / _TYPICAL_N**2),
-    }
-
-
-def _creeping(magnitude: float, rng: np.random.Generator) -> Size:
-    return {"fraction": magnitude, "time": float(rng.uniform(4.0, 40.0))}
-
-
 _SIZES: Mapping[str, Callable[[float, np.random.Generator], Size]] = {
-    "nonlinearity": _bent,
-    "saturation": lambda magnitude, _: {"level": max(3.0, _HIGHEST_N * (1.0 - magnitude))},
-    "hysteresis": _plain("fraction"),
-    "creep": _creeping,
-    "zero_drift": _signed("rate"),
-    "span_drift": _signed("rate"),
-    "stuck_cell": lambda magnitude, _: {"share": min(1.0, magnitude), "time": 0.0},
     "swapped_cells": lambda _, __: {},
-    "crosstalk": _signed("fraction"),
     "cell_position": _along("x", "y"),
     "off_axis_load": _along("x", "y"),
-    "latency": _plain("delay"),
-    "low_pass": _plain("time"),
     "payload": _plain("mass"),
     "link_com": _along("x", "y", "z"),
     "joint_offset": _signed("angle"),
@@ -112,11 +85,10 @@ _SIZES: Mapping[str, Callable[[float, np.random.Generator], Size]] = {
     "soft_ground": _plain("compliance"),
     "inertia": lambda _, __: {"factor": 1.0},
 }
+"""Of effects whose laws are the simulator's; those of `laws` are sized on their set."""
 
 LIMITS: Mapping[str, float] = {
-    "nonlinearity": 0.5, "saturation": 0.8, "hysteresis": 0.4, "creep": 0.4, "zero_drift": 0.05,
-    "span_drift": 1e-3, "stuck_cell": 1.0, "crosstalk": 0.4, "cell_position": 0.02,
-    "off_axis_load": 1.0, "latency": 0.6, "low_pass": 0.6, "payload": 0.8, "link_com": 0.05,
+    "cell_position": 0.02, "off_axis_load": 1.0, "payload": 0.8, "link_com": 0.05,
     "joint_offset": 0.06, "joint_compliance": 0.03, "backlash": 0.04, "foot_placement": 0.015,
     "slip": 0.006, "floor_tilt": 0.06, "soft_ground": 0.03, "inertia": 3.0,
 }  # fmt: skip
@@ -137,12 +109,9 @@ FOREIGN_GUESS: Mapping[str, float] = {
 }  # fmt: skip
 
 FIRST_GUESS: Mapping[str, float] = {
-    "nonlinearity": 0.05, "saturation": 0.3, "hysteresis": 0.05, "creep": 0.05,
-    "zero_drift": 2e-3, "span_drift": 1e-4, "stuck_cell": 0.1, "crosstalk": 0.1,
-    "cell_position": 0.004, "off_axis_load": 0.1, "latency": 0.1, "low_pass": 0.1,
-    "payload": 0.2, "link_com": 0.01, "joint_offset": 0.02, "joint_compliance": 0.01,
-    "backlash": 0.015, "foot_placement": 0.005, "slip": 0.004, "floor_tilt": 0.04,
-    "soft_ground": 0.01, "inertia": 2.0,
+    "cell_position": 0.004, "off_axis_load": 0.1, "payload": 0.2, "link_com": 0.01,
+    "joint_offset": 0.02, "joint_compliance": 0.01, "backlash": 0.015, "foot_placement": 0.005,
+    "slip": 0.004, "floor_tilt": 0.04, "soft_ground": 0.01, "inertia": 2.0,
 }  # fmt: skip
 """Magnitudes at which `unit_sizes` begins."""
 
@@ -155,9 +124,7 @@ def draw_size(effect: str, magnitude: float, rng: np.random.Generator) -> Size:
 def unit_key(effect: str, location: tuple[str, ...]) -> str:
     """What one unit size stands for: effect and place, cells and feet as one."""
     place = location[0] if location else ""
-    if len(location) > 1:
-        place = "pair"
-    elif "/" in place:
+    if "/" in place:
         place = "cell"
     elif place in FEET:
         place = "foot"
@@ -171,6 +138,12 @@ def unit_sizes(file: Path = UNIT_SIZES) -> Mapping[str, Mapping[str, list[float]
     """Measured magnitudes and the gaps over the floor that they make, by `unit_key`."""
     told: Mapping[str, Mapping[str, list[float]]] = json.loads(file.read_text())["sizes"]
     return told
+
+
+@cache
+def unit_floor(file: Path = UNIT_SIZES) -> MeasuredGap:
+    """Errors of a perfect robot, which these gaps are over."""
+    return MeasuredGap.told(json.loads(file.read_text())["floor"])
 
 
 def magnitude_of(key: str, strength: float, limit: float) -> float:

@@ -18,7 +18,7 @@ from blind.gap import measure_gap
 from blind.layout import Round
 from blind.motions import fill, standard_set
 from blind.processes import over
-from blind.recorder import record
+from blind.recorder import Recorded, record
 from blind.unknowns import KINDS
 from blind.world import write_world
 from population import RATE_HZ
@@ -50,10 +50,12 @@ def _make(place: Round, answer: Answer) -> str:
     folder = place.recorded(answer.number)
     came: dict[str, object]
     try:
-        starts = make_set(place, answer)
+        recorded = make_set(place, answer)
         once = [truth.run for truth in answer.truths if truth.run is not None]
-        gap = measure_gap(Session.open(folder), once)
-        came = {"starts": starts, **dataclasses.asdict(gap)}
+        gap = measure_gap(Session.open(folder), recorded.noise, once)
+        came = {
+            "starts": recorded.starts, "sizes": recorded.sizes, **dataclasses.asdict(gap),
+        }  # fmt: skip
     except ShoecalError as error:
         came = {"failed": str(error)}
     atomic_write(place.made(answer.number), json.dumps(came).encode(), 0o600)
@@ -61,8 +63,8 @@ def _make(place: Round, answer: Answer) -> str:
     return f"{folder.name}{' could not be made' if 'failed' in came else ''}"
 
 
-def make_set(place: Round, answer: Answer, rate: float = RATE_HZ) -> list[float]:
-    """Simulate and record one set; when its runs started, in the robot's session time [s].
+def make_set(place: Round, answer: Answer, rate: float = RATE_HZ) -> Recorded:
+    """Simulate and record one set.
 
     Args:
         place: to put it into.
@@ -71,10 +73,12 @@ def make_set(place: Round, answer: Answer, rate: float = RATE_HZ) -> list[float]
     """
     items = []
     for truth in answer.truths:
+        if truth.seed is not None:
+            continue
         listed = item(truth.effect, truth.location, truth.size)
         items.append(listed if truth.run is None else {**listed, "run": truth.run})
     foreign = None
-    if (told := answer.foreign) is not None:
+    if (told := answer.foreign) is not None and told.kind in KINDS:
         foreign = KINDS[told.kind](told.size, np.random.default_rng(told.seed))
     reality = write_world(place.world(answer.number), answer, items)
     planned = standard_set(answer.motions)

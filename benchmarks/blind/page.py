@@ -34,6 +34,7 @@ def write(
     figures: Mapping[str, Figures],
     cases: Sequence[Case],
     ablations: Mapping[str, Figures],
+    entries: Sequence[Row],
     project: Path,
 ) -> None:
     """Write the tables and the JSON.
@@ -43,6 +44,7 @@ def write(
         figures: by kind of worlds and key.
         cases: of the round.
         ablations: figures with something switched off, by what.
+        entries: figures of the diagnosis and of others, one row each.
         project: folder whose page and JSON are written.
     """
     tables: dict[str, Sequence[Row]] = {
@@ -55,6 +57,8 @@ def write(
         "blind-confused": _confused(cases),
         "blind-ablations": [_compared(name, found) for name, found in ablations.items()],
     }
+    if entries:
+        tables["blind-compared"] = entries
     for name, rows in tables.items():
         write_section(name, markdown(rows) if rows else "None.", project / PAGE)
     content = {
@@ -64,6 +68,7 @@ def write(
             for name, of in figures.items()
         },
         "confusion": confusion(cases, by_class=False),
+        "compared": list(entries),
         "ablations": {
             name: {key: figure.to_json() for key, figure in of.items()}
             for name, of in ablations.items()

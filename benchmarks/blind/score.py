@@ -9,6 +9,7 @@ from pathlib import Path
 from blind.answers import check_seal
 from blind.cases import Case, load_cases, variant_cases
 from blind.chart import write_chart
+from blind.entries import compared
 from blind.figures import AS_BUILT, CLEAN, Figure, figures, shrink_figures
 from blind.layout import Round
 from blind.page import FIGURE, write
@@ -46,12 +47,13 @@ def score(
             "command": command,
             "answers, SHA-256": check_seal(place),
             "sets": ", ".join(f"{count} {name}" for name, count in sorted(counts.items())),
+            "laws of cells and timing": "drawn for each set",
             "worlds as built": sum(case.answer.as_built for case in cases),
             "sets that could not be simulated (the robot fell)": failed,
             "floor, as built: CoP [mm], GRF [N]": f"{cop:.2f}, {grf:.3f}",
             "floor, clean: CoP [mm], GRF [N]": f"{clean_cop:.2f}, {clean_grf:.3f}",
         }
-        write(about, found, cases, without, project)
+        write(about, found, cases, without, compared(place, cases), project)
     return found
 
 

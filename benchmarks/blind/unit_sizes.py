@@ -179,5 +179,5 @@ def _gap(answer: Answer) -> MeasuredGap:
     with tempfile.TemporaryDirectory() as folder:
         place = Round(Path(folder))
         place.prepare()
-        make_set(place, answer, rate=_RATE_HZ)
-        return measure_gap(Session.open(place.recorded(answer.number)))
+        recorded = make_set(place, answer, rate=_RATE_HZ)
+        return measure_gap(Session.open(place.recorded(answer.number)), recorded.noise)

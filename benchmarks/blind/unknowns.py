@@ -1,6 +1,6 @@
 """Effects outside the library, as physics of their own. None is an effect of the table.
 
-A kind acts on the robot while it moves (`act`), or changes what its channels read (`readings`).
+A kind acts on the robot while it moves (`act`), or changes what its channels show (`forces`).
 """
 
 from __future__ import annotations
@@ -37,11 +37,6 @@ class Unknown(Effect):
 
     def push(self, sim: MovingRobot, time: float) -> None:
         """Add forces that are due at a time since the recording began [s]."""
-
-    def readings(self, sim: SimulatedRobot, samples: SimulatedSamples) -> FloatArray:
-        """(T, n) what the device reads, in the shoe's unit."""
-        forces = self.forces(sim, samples, _forces(sim, samples.readings.voltages))
-        return _voltages(sim, forces)
 
     def forces(
         self, sim: SimulatedRobot, samples: SimulatedSamples, forces: FloatArray
@@ -369,13 +364,3 @@ def shares(places: FloatArray, point: FloatArray) -> FloatArray:
     """(k,) how a rigid plate on equal springs at places (k, 2) shares a unit load at a point."""
     rows = np.column_stack([np.ones(len(places)), places])
     return np.asarray(rows @ np.linalg.solve(rows.T @ rows, [1.0, *point]))
-
-
-def _forces(sim: SimulatedRobot, voltages: FloatArray) -> FloatArray:
-    law = sim.drawn.shoes.parameters
-    return np.asarray(law.gain * voltages + law.offset)
-
-
-def _voltages(sim: SimulatedRobot, forces: FloatArray) -> FloatArray:
-    law = sim.drawn.shoes.parameters
-    return np.asarray((forces - law.offset) / law.gain)

@@ -24,11 +24,24 @@ WHOLE = ""
 """Stands for the keys of a reality file that are in no section."""
 BASES: Mapping[str, float] = {PERFECT: 0.25, "default": 0.375, "other_laws": 0.375}
 """Realities that worlds change, and how often each is drawn."""
+AS_BUILT_FLOOR = 4.0
+"""Of a robot as built over that of a perfect one, about: effects have to stand out from it."""
 NOISE_N = 0.01
 """Of a perfect robot's cell, in the middle of the range drawn."""
 AS_BUILT_NOISE_N = (0.003, 1.0)
 """Of cells as they are bought, good ones to cheap ones."""
 
+
+AS_BUILT = {
+    "body": ("weight_error_n", "mass_error_std_fraction", "com_error_std_m", "com_error_m"),
+    "joints": (
+        "encoder_error_std_rad", "eccentricity_std_rad", "play_rad", "compliance_rad_per_nm",
+        "static_friction_fraction", "kinetic_friction_fraction",
+    ),
+    "cells": ("position_error_std_m",),
+    "shoes": ("clamp_share",),
+}  # fmt: skip
+"""Keys of errors that any robot is built with, all scaled alike."""
 
 Sections = dict[str, dict[str, float | str]]
 
@@ -93,6 +106,11 @@ def middle_world() -> Sections:
     }
 
 
+def over_perfect(answer: Answer, strength: float) -> float:
+    """A gap over its own world's floor, over the floor of a perfect one."""
+    return AS_BUILT_FLOOR * strength if answer.as_built else strength
+
+
 def write_world(path: Path, answer: Answer, items: Sequence[Mapping[str, Any]]) -> PlantVariation:
     """Write a set's reality file and read it: that of its base, changed.
 
@@ -101,7 +119,9 @@ def write_world(path: Path, answer: Answer, items: Sequence[Mapping[str, Any]]) 
         answer: whose world it is.
         items: the effects it has, as a reality file lists them.
     """
-    return write_reality(path, answer.world, items, base=answer.base, imu=answer.imu)
+    return write_reality(
+        path, answer.world, items, base=answer.base, imu=answer.imu, built=answer.built
+    )
 
 
 def write_reality(
@@ -111,10 +131,20 @@ def write_reality(
     *,
     base: str = PERFECT,
     imu: bool = True,
+    built: float = 1.0,
 ) -> PlantVariation:
-    """The same of any sections that were drawn, with or without inertial sensor."""
+    """The same of any sections that were drawn, with or without inertial sensor.
+
+    As-built errors are `built` times those of the base.
+    """
     realities = config_dir() / "realities"
-    merged = copy.deepcopy(yaml.safe_load((realities / f"{base}.yaml").read_text()))
+    default, merged = (
+        copy.deepcopy(yaml.safe_load((realities / f"{name}.yaml").read_text()))
+        for name in ("default", base)
+    )
+    for section, keys in AS_BUILT.items():
+        own = merged.setdefault(section, {})
+        own |= {key: _scaled(own.get(key, default[section][key]), built) for key in keys}
     for section, values in world.items():
         if section == WHOLE:
             merged |= values
@@ -123,3 +153,12 @@ def write_reality(
     merged.setdefault("imu", {})["present"] = imu
     write_yaml(path, {**merged, "name": path.stem, "effects": [dict(item) for item in items]})
     return load_reality(realities / "default.yaml", path)
+
+
+def _scaled(value: Any, factor: float) -> Any:
+    """A number, or all those of a table."""
+    if isinstance(value, dict):
+        return {key: _scaled(one, factor) for key, one in value.items()}
+    if isinstance(value, list):
+        return [_scaled(one, factor) for one in value]
+    return factor * value

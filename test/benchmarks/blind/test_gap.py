@@ -7,18 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from blind.gap import MeasuredGap, floor_of, white_noise
-
-NOISE = 0.03
-
-
-def test_noise_is_told_beside_what_moves() -> None:
-    rng = np.random.default_rng(3)
-    time = np.arange(0.0, 40.0, 0.01)
-    smooth = 50.0 + np.sin(2.0 * np.pi * 2.0 * time)
-    noisy = smooth + rng.normal(0.0, NOISE, len(time))
-    assert white_noise([noisy[:, None]]) == pytest.approx(NOISE, rel=0.05)
-    assert white_noise([np.stack((noisy, smooth), axis=1)]) == pytest.approx(NOISE, rel=0.1)
+from blind.gap import AddedNoise, MeasuredGap, floor_of
+from population import nao
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.samples.stance import make_stance
 
 
 def test_noisy_sets_have_no_larger_gap() -> None:
@@ -29,3 +21,16 @@ def test_noisy_sets_have_no_larger_gap() -> None:
     assert MeasuredGap(0.3, 0.08, 0.0, 0.0).over(floor) == pytest.approx(
         math.hypot(0.08, 0.02) / math.hypot(0.02, 0.02)
     )
+
+
+def test_noise_that_was_added_is_taken_off_again() -> None:
+    rng, shoe = np.random.default_rng(2), nao()[1]
+    time = np.arange(0.0, 2.0, 0.01)
+    readings, added = rng.standard_normal((2, len(time), len(shoe.names)))
+    support = DoubleSupport(0.0, -0.1, 0.0)
+    stance = make_stance(
+        3, shoe, support, (True, True), time[20:150], (readings + added)[20:150],
+        np.full(130, 50.0), np.zeros((130, 2)),
+    )  # fmt: skip
+    noise = AddedNoise({3: time}, {3: added}, MeasuredGap(0.0, 0.0))
+    np.testing.assert_allclose(noise.taken_off(stance).readings, readings[20:150])

@@ -29,10 +29,10 @@ def answer(number: int = 1) -> Answer:
     )  # fmt: skip
 
 
-def test_the_generator_never_imports_the_diagnosis() -> None:
+def test_generator_and_baselines_never_import_the_diagnosis() -> None:
     program = (
         "import sys; sys.path.insert(0, sys.argv[1])\n"
-        "import blind.generate, blind.unit_sizes\n"
+        "import blind.generate, blind.unit_sizes, blind.baselines\n"
         "print(*[name for name in sys.modules if name.startswith('shoecal_core.diagnosis')])"
     )
     done = subprocess.run(
