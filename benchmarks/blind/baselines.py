@@ -12,13 +12,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import f as f_distribution
 
 from blind.regression import Candidate, Regression, make_regression
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
-
-FloatArray = NDArray[np.float64]
 
 LEVEL = 0.01
 """Of an F-test, over the number of hypotheses."""

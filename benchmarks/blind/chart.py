@@ -7,16 +7,14 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from blind.cases import Case
 from blind.intervals import clopper_pearson
+from shoecal_core.arrays import FloatArray
 from shoecal_core.report import palette
 from shoecal_core.report.palette import Look
 from shoecal_core.report.sheet import SheetFigure, write_sheet
 from shoecal_core.report.svg import WIDTH, canvas, draw_line, line_key
-
-FloatArray = NDArray[np.float64]
 
 HEIGHT = 210.0
 BORDERS = (0.0, 1.1, 1.5, 2.1, 3.0, 4.2, 6.0, 9.0, np.inf)

@@ -8,14 +8,12 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from blind.gap import MeasuredGap
 from blind.layout import UNIT_SIZES
 from population import nao
 from shoecal_core.shoe.shoe import FEET
 
-FloatArray = NDArray[np.float64]
 Size = dict[str, float]
 
 AIM = 3.0

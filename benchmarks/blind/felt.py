@@ -10,12 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blind.motions import PlannedMotion
+from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.standard import TRAIN
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import columns_in_left
 from shoecal_core.simulation.samples import SimulatedSamples
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -6,14 +6,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from blind.answers import CATEGORIES
 from blind.cases import UNKNOWN, Case
 from blind.catalogue import EFFECTS, alike
 from blind.intervals import Interval, bootstrap, clopper_pearson
-
-FloatArray = NDArray[np.float64]
+from shoecal_core.arrays import FloatArray
 
 ONSET_S = 2.0
 BINS = 10

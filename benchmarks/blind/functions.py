@@ -6,10 +6,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
-FloatArray = NDArray[np.float64]
+from shoecal_core.arrays import FloatArray
+
 Curve = Callable[[FloatArray], FloatArray]
 
 FEATURES = 48

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from blind.felt import Felt
+from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.fit import fit_parameters
 from shoecal_core.estimation.initial_guess import initial_guess
 from shoecal_core.estimation.residuals import unpack
@@ -27,8 +27,6 @@ from shoecal_core.recording.train_test import split_runs
 from shoecal_core.samples.stance import Stance
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.shoe.sensing import Sensing
-
-FloatArray = NDArray[np.float64]
 
 _NO_OFFSET_S = 1e-6
 _EVERY = 5

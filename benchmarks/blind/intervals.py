@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.stats import beta
 
-FloatArray = NDArray[np.float64]
+from shoecal_core.arrays import FloatArray
+
 Interval = tuple[float, float]
 
 LEVEL = 0.95

@@ -10,14 +10,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from blind.felt import Felt
 from blind.functions import Smooth, bending, density, monotone
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.shoe.shoe import FEET
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 Generator = np.random.Generator
 
 OPERATORS = 24

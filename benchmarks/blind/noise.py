@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from shoecal_core.arrays import FloatArray
 
 CORNER_HZ = 0.3
 """Below it the colour is stronger than the white part."""

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from blind.answers import Answer
 from blind.felt import felt
@@ -19,14 +18,13 @@ from blind.noise import coloured
 from blind.sizing import as_shown
 from blind.unknowns import Unknown
 from population import RATE_HZ, nao
+from shoecal_core.arrays import FloatArray
 from shoecal_core.recording.session import TRUTH, Session
 from shoecal_core.simulation.reality import PlantVariation
 from shoecal_core.simulation.robot import SimulatedRobot
 from shoecal_core.simulation.sampled_robot import draw
 from shoecal_core.simulation.samples import SimulatedSamples, run
 from shoecal_core.workflows.simulated_recording import record_run
-
-FloatArray = NDArray[np.float64]
 
 HOLD_S = 1.0
 """Standing still before and after a motion."""

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.base import Effect, Place, Shape, lower_bounds
 from shoecal_core.error_sources.effects.known import EFFECTS
 from shoecal_core.error_sources.settings import SignalSettings
@@ -20,8 +21,6 @@ from shoecal_core.estimation.session_data import load_data
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.train_test import split_runs
 from shoecal_core.screening.settings import CalibrationSettings
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

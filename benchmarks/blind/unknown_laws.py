@@ -8,13 +8,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from blind.felt import Felt
 from blind.functions import Smooth
 from blind.laws import Law, added
+from shoecal_core.arrays import FloatArray
 
-FloatArray = NDArray[np.float64]
 Generator = np.random.Generator
 
 MOST = 0.5

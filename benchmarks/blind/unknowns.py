@@ -10,8 +10,8 @@ from dataclasses import dataclass, field
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.robot import GRAVITY, Robot
 from shoecal_core.shoe.shoe import FEET
 from shoecal_core.simulation.disturbances import Disturbance, MovingRobot
@@ -19,8 +19,6 @@ from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.robot import SimulatedRobot
 from shoecal_core.simulation.samples import SimulatedSamples
 from shoecal_core.simulation.shoe_physics import sole_name
-
-FloatArray = NDArray[np.float64]
 
 
 class Unknown(Effect):

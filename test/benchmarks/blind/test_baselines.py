@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from blind.answers import Answer, Truth, seal
 from blind.baselines import BASELINES, MOST_CAUSES
@@ -18,7 +17,6 @@ from blind.regression import Candidate, Regression
 from shoecal_core.error_sources.effects.known import EFFECTS
 from shoecal_core.errors import ShoecalError
 
-FloatArray = NDArray[np.float64]
 ROWS = 2000
 LEAST = np.array([-1.0])
 

@@ -6,7 +6,6 @@ import dataclasses
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from blind.answers import PERFECT, Answer, Truth
 from blind.catalogue import EFFECTS
@@ -17,10 +16,10 @@ from blind.laws import LAWS, channels_of, drawn_law
 from blind.sizing import as_shown, sized
 from blind.unknown_laws import FUNCTIONS, unknown_law
 from population import nao
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.shoe.wrench import columns_in_left
 
-FloatArray = NDArray[np.float64]
 RATE_HZ, RUN_S, RUNS, WEIGHT_N = 25.0, 20.0, 4, 60.0
 CELL = ("left/front_left",)
 SEEDS = range(6)
