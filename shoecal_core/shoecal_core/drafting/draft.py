@@ -50,6 +50,9 @@ are off by some millimetres, and a foot that is loaded at its edge tips over it.
 CELL_INSET = 0.09
 """Part of a sole's length and width by which cells lie inside its bounds."""
 
+ROLLS = 0.5
+"""Cosine of the angle between the forward axis and one about which an ankle rolls, at least."""
+
 
 @dataclass(frozen=True)
 class Draft:
@@ -106,6 +109,14 @@ class Draft:
             for name, place in places.items()
             if not (model.effortLimit[place] > 0.0 and model.velocityLimit[place] > 0.0)
         ]
+
+    @property
+    def ankles_roll(self) -> bool:
+        """Whether one of the last two joints of each leg turns its foot about the forward axis."""
+        return all(
+            any(abs(self.body.axis(joint) @ self.legs.forward) > ROLLS for joint in chain[-2:])
+            for chain in self.legs.chains
+        )
 
     @property
     def unlimited(self) -> list[str]:
