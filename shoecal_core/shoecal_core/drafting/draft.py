@@ -18,6 +18,7 @@ from shoecal_core.drafting.body import Body, Shapes, find_shapes, own_joints, re
 from shoecal_core.drafting.capsules import DraftCapsule, find_capsules, pairs_of
 from shoecal_core.drafting.foot_cells import FootCells, find_cells
 from shoecal_core.drafting.legs import UP, LegChains, find_legs
+from shoecal_core.drafting.mirrored import crossed_limits
 from shoecal_core.drafting.plausible import check_size
 from shoecal_core.drafting.posture import find_posture
 from shoecal_core.drafting.six_axis import (
@@ -117,6 +118,13 @@ class Draft:
             any(abs(self.body.axis(joint) @ self.legs.forward) > ROLLS for joint in chain[-2:])
             for chain in self.legs.chains
         )
+
+    @property
+    def crossed(self) -> list[str]:
+        """Pairs of the legs' joints whose limits fit each other with the wrong sign."""
+        names = self.body.model.names
+        pairs = crossed_limits(self.body, self.legs)
+        return [f"{names[left]} and {names[right]}" for left, right in pairs]
 
     @property
     def unlimited(self) -> list[str]:

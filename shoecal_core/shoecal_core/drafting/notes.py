@@ -53,6 +53,14 @@ def robot_notes(draft: Draft) -> list[Note]:
                 "the URDF leaves no joint out; else use known weights (`shoecal manual`).",
             )
         )
+    if draft.crossed:
+        notes.append(
+            Note(
+                "legs",
+                f"{'; '.join(draft.crossed)}: the limits are each other's with the wrong sign.",
+                "which of them the robot has, and correct the other one in the URDF.",
+            )
+        )
     if draft.weak_joints:
         notes.append(
             Note(

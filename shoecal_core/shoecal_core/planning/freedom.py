@@ -44,13 +44,15 @@ def cop_freedom(robot: Robot) -> FloatArray:
 
 def held_way(robot: Robot) -> str:
     """The way, of `WAYS`, in which the CoP cannot be moved, and why; empty where it can in both."""
-    for way, axis, turn, freedom in zip(
-        WAYS, (1, 0), ("pitch", "roll"), cop_freedom(robot), strict=True
-    ):
+    for way, freedom in zip(WAYS, cop_freedom(robot), strict=True):
         if freedom < _LEAST:
-            ankle = "" if _turns_below_knee(robot, axis) else f" (the feet have no ankle {turn})"
-            return f"{way}{ankle}"
+            return f"{way}{missing_ankle(robot)}"
     return ""
+
+
+def missing_ankle(robot: Robot) -> str:
+    """In parentheses, that the feet have no ankle roll; empty where they have one."""
+    return "" if _turns_below_knee(robot, 0) else " (the feet have no ankle roll)"
 
 
 def _moves(robot: Robot) -> FloatArray:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.planning.freedom import missing_ankle
 from shoecal_core.planning.legs import BALANCE_NAMES
 from shoecal_core.robot.robot import Robot
 
@@ -110,7 +111,7 @@ def obstacle(robot: Robot, tried: Callable[[Loose], Excess | None]) -> Obstacle:
                 least = price * max(getattr(best, part) for part in _PARTS)
     if excess is None:
         return Obstacle(
-            "its legs' joints do not bring the soles and the CoM there",
+            f"its legs' joints do not bring the soles and the CoM there{missing_ankle(robot)}",
             "see that 'legs' of the robot file names every joint of both legs",
         )
     blamed = _parts(robot, best, excess)

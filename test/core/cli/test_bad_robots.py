@@ -91,9 +91,9 @@ def narrow(folder: Path) -> Path:
     ("joint", "change", "said"),
     [
         ("_", (r'effort="[^"]*"', 'effort="0.2"'),
-         r"_\w+ would need [0-9.]+ N m more than torque_share of its 0\.2 N m: see that"),
+         r"_\w+ would need [0-9.]+ N m more than torque_share of its 0\.2 N m; see that"),
         ("_hip_sway", (r'lower="[^"]*" upper="[^"]*"', 'lower="-0.06" upper="0.06"'),
-         r"_sway would turn [0-9.]+ rad beyond its limits and their margins: see that"),
+         r"_sway would turn [0-9.]+ rad beyond its limits and their margins; see that"),
     ],
 )  # fmt: skip
 def test_the_bound_that_rules_a_stance_out(

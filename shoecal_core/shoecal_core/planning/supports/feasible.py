@@ -67,10 +67,10 @@ class SupportRangeError(ShoecalError):
 
     def __init__(self, feasible: Feasible, found: int, wanted: int) -> None:
         self.tally = feasible.tally
-        cure = self.tally.cure or feasible.ruled_out()
+        why = f"; {self.tally.cure}" if self.tally.cure else f": {feasible.ruled_out()}"
         super().__init__(
             f"robot '{feasible.robot.name}': {found} of {wanted} double supports found where the "
-            f"feet neither collide nor are out of reach (looked at: {self.tally}); {cure}"
+            f"feet neither collide nor are out of reach (looked at: {self.tally}){why}"
         )
 
 
@@ -170,7 +170,7 @@ class Feasible:
         on_feet = self.tally.unreachable >= self.tally.landmarks
         misses = [miss for miss in self._misses if (miss.landmark is None) == on_feet]
         if not misses:
-            return "on one foot they are out of reach: widen support_range, or turn one_foot off"
+            return "one foot cannot carry the weight; widen support_range, or turn one_foot off"
         miss = min(misses, key=lambda one: self._from_neutral(one.support))
         pose = FootPose.of(miss.support)
         inward = 0.0 if miss.landmark is None else _MOVED_IN
@@ -181,7 +181,7 @@ class Feasible:
         if miss.landmark is not None:
             x, y = 1e3 * miss.landmark
             where = f"with the CoP at the landmark ({x:.0f}, {y:.0f}) mm and {where[5:]}"
-        return f"{where}, {found.what}: {found.cure}"
+        return f"{where}, {found.what}; {found.cure}"
 
     def _from_neutral(self, support: DoubleSupport) -> float:
         """Steps of the range between a double support and normal standing."""
