@@ -47,6 +47,12 @@ DUCK = "mini_bdx/robots"
 LITE = "HybridRobotics/Berkeley-Humanoid-Lite-Assets"
 GR = "FFTAI/Wiki-GRx-Models"
 T1 = "BoosterRobotics/booster_gym"
+BOOSTER = "BoosterRobotics/booster_assets"
+UNITREE = "unitreerobotics/unitree_ros"
+DATA = "Gepetto/example-robot-data"
+ERGO = "icub-tech-iit/ergocub-software"
+PLAYGROUND = "google-deepmind/mujoco_playground"
+GYM = "mujoco_playground/_src/locomotion"
 ROBOTS = (
     Published("T1 (Booster)", T1, "resources/T1/T1_serial.urdf"),
     Published("T1 (Booster)", T1, "resources/T1/T1_serial.xml"),
@@ -71,6 +77,42 @@ ROBOTS = (
         "bit-bots/wolfgang_robot",
         "wolfgang_description/urdf/robot.urdf",
     ),
+    Published("G1, 23 joints (Unitree)", UNITREE, "robots/g1_description/g1_23dof_rev_1_0.urdf"),
+    Published("G1, 29 joints (Unitree)", UNITREE, "robots/g1_description/g1_29dof_rev_1_0.xml"),
+    Published("H1-2 (Unitree)", UNITREE, "robots/h1_2_description/h1_2.urdf"),
+    Published("H1 (Unitree)", UNITREE, "robots/h1_description/urdf/h1.urdf"),
+    Published("H1 (Unitree)", UNITREE, "robots/h1_description/mjcf/h1.xml"),
+    Published("K1 (Booster)", BOOSTER, "robots/K1/K1_22dof.urdf"),
+    Published("K1 (Booster)", BOOSTER, "robots/K1/K1_22dof.xml"),
+    Published("T1, 29 joints (Booster)", BOOSTER, "robots/T1/T1_29dof.urdf"),
+    Published("TALOS (PAL Robotics)", DATA, "robots/talos_data/robots/talos_full_v2.urdf"),
+    Published("R1 (Unitree)", UNITREE, "robots/r1_description/R1.urdf"),
+    Published("H2 (Unitree)", UNITREE, "robots/h2_description/H2.urdf"),
+    Published("iCub 2.7 (IIT)", "robotology/icub-models", "iCub/robots/iCubGazeboV2_7/model.urdf"),
+    Published("ergoCub (IIT)", ERGO, "urdf/ergoCub/robots/ergoCubSN001/model.urdf"),
+    Published(
+        "Berkeley Humanoid", "HybridRobotics/berkeley_humanoid_description", "urdf/robot.urdf"
+    ),
+    Published(
+        "Atlas (Boston Dynamics)", "RobotLocomotion/models", "atlas/atlas_minimal_contact.urdf"
+    ),
+    Published("Romeo (Aldebaran)", DATA, "robots/romeo_description/urdf/romeo_small.urdf"),
+    Published(
+        "NAO (Aldebaran)",
+        "ros-naoqi/nao_robot",
+        "nao_description/urdf/naoV50_generated_urdf/nao.urdf",
+    ),
+    Published("OP3 (ROBOTIS)", PLAYGROUND, f"{GYM}/op3/xmls/op3_mjx_feetonly.xml"),
+    Published("Apollo (Apptronik)", PLAYGROUND, f"{GYM}/apollo/xmls/apollo_mjx_feetonly.xml"),
+    Published(
+        "Berkeley Humanoid",
+        PLAYGROUND,
+        f"{GYM}/berkeley_humanoid/xmls/berkeley_humanoid_mjx_feetonly.xml",
+    ),
+    Published("T1 (Booster)", PLAYGROUND, f"{GYM}/t1/xmls/t1_mjx_feetonly.xml"),
+    Published("G1 (Unitree)", PLAYGROUND, f"{GYM}/g1/xmls/g1_mjx_feetonly.xml"),
+    Published("G1, 23 joints (Unitree)", UNITREE, "robots/g1_description/g1_23dof_rev_1_0.xml"),
+    Published("H1-2 (Unitree)", UNITREE, "robots/h1_2_description/h1_2.xml"),
 )
 
 
@@ -92,7 +134,7 @@ def main() -> int:
             print(f"{robot.title}, {robot.kind} …", flush=True)
             out.mkdir(parents=True, exist_ok=True)
             found = taken_through(file, out)
-            found["where it stops"] = found["where it stops"].replace(f"{args.folder}/", "")
+            found["where it stops"] = _relative(found["where it stops"], args.folder, out)
             result.write_text(json.dumps(found, indent=1) + "\n")
         of = f"[{robot.title}](https://github.com/{robot.repository})"
         found = json.loads(result.read_text())
@@ -100,6 +142,13 @@ def main() -> int:
     write_section("published", markdown(rows), PAGE)
     print(PAGE)
     return 0
+
+
+def _relative(said: str, *folders: Path) -> str:
+    """What was said, files as seen from these folders."""
+    for folder in folders:
+        said = said.replace(f"{folder}/", "")
+    return said
 
 
 def taken_through(file: Path, out: Path) -> dict[str, str]:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.drafting.mesh_files import find_mesh
 from shoecal_core.files import read_bytes
+from shoecal_core.robot.mjcf import LFS_POINTER
 from shoecal_core.robot.native_output import caught_stderr
 from shoecal_core.robot.symbolic import joint_axis
 from shoecal_core.robot.urdf import ROOT_JOINTS, Mimic, UrdfError, read_urdf
@@ -28,8 +29,6 @@ CIRCLE = 32
 
 LEAST_SINE = 0.1
 """Axes with a smaller sine of the angle between them count as parallel."""
-LFS_POINTER = b"version https://git-lfs"
-"""Begins a file that stands for one in another store."""
 Y_UP = b"<up_axis>Y_UP</up_axis>"
 Y_TO_Z = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 

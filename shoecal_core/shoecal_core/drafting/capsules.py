@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.drafting.body import Body
 from shoecal_core.drafting.legs import LegChains
-from shoecal_core.drafting.soles import Sole
+from shoecal_core.drafting.soles import TOUCHING, Sole
 from shoecal_core.shoe.shoe import FEET
 
 FloatArray = NDArray[np.float64]
@@ -123,7 +123,9 @@ def _foot(body: Body, side: str, joint: int, points: FloatArray, sole: Sole) -> 
     link, frame = body.link(joint)
     inside = np.array([(frame * sole.placement).actInv(point) for point in points])
     width = float(np.ptp(sole.outline[:, 1]))
-    thickness = float(inside[:, 2].max()) if len(inside) else sole.height
+    thickness = float(inside[:, 2].max()) if len(inside) else 0.0
+    if thickness < TOUCHING:
+        thickness = sole.height  # no shape says more than where the sole is
     radius = min(0.5 * thickness, FOOT_RADIUS * width)
     back, front = float(sole.outline[:, 0].min()), float(sole.outline[:, 0].max())
     inner = (

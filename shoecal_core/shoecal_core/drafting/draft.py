@@ -18,6 +18,7 @@ from shoecal_core.drafting.body import Body, Shapes, find_shapes, own_joints, re
 from shoecal_core.drafting.capsules import DraftCapsule, find_capsules, pairs_of
 from shoecal_core.drafting.foot_cells import FootCells, find_cells
 from shoecal_core.drafting.legs import UP, LegChains, find_legs
+from shoecal_core.drafting.mirrored import crossed_limits
 from shoecal_core.drafting.plausible import check_size
 from shoecal_core.drafting.posture import find_posture
 from shoecal_core.drafting.six_axis import (
@@ -49,6 +50,9 @@ SENSING = (0.65, 0.6)
 are off by some millimetres, and a foot that is loaded at its edge tips over it."""
 CELL_INSET = 0.09
 """Part of a sole's length and width by which cells lie inside its bounds."""
+
+ROLLS = 0.5
+"""Cosine of the angle between the forward axis and one about which an ankle rolls, at least."""
 
 
 @dataclass(frozen=True)
@@ -106,6 +110,21 @@ class Draft:
             for name, place in places.items()
             if not (model.effortLimit[place] > 0.0 and model.velocityLimit[place] > 0.0)
         ]
+
+    @property
+    def ankles_roll(self) -> bool:
+        """Whether one of the last two joints of each leg turns its foot about the forward axis."""
+        return all(
+            any(abs(self.body.axis(joint) @ self.legs.forward) > ROLLS for joint in chain[-2:])
+            for chain in self.legs.chains
+        )
+
+    @property
+    def crossed(self) -> list[str]:
+        """Pairs of the legs' joints whose limits fit each other with the wrong sign."""
+        names = self.body.model.names
+        pairs = crossed_limits(self.body, self.legs)
+        return [f"{names[left]} and {names[right]}" for left, right in pairs]
 
     @property
     def unlimited(self) -> list[str]:

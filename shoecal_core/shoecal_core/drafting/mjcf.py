@@ -7,7 +7,7 @@ MuJoCo's own. A body with several joints becomes as many links; a joint's frame 
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
@@ -73,14 +73,15 @@ def as_urdf(path: Path, meshes: str) -> Converted:
         MjcfError: for a model that MuJoCo does not compile, or that is no tree of hinges and
             slides.
     """
-    return _Writer(path, read_mjcf(path)[1], meshes).written()
+    lost: list[str] = []
+    return _Writer(path, read_mjcf(path, lost)[1], meshes, lost).written()
 
 
 class _Writer:
     """Writes one compiled model."""
 
-    def __init__(self, path: Path, model: mujoco.MjModel, folder: str) -> None:
-        self._path, self._model, self._folder = path, model, folder
+    def __init__(self, path: Path, model: mujoco.MjModel, folder: str, lost: Sequence[str]) -> None:
+        self._path, self._model, self._folder, self._lost = path, model, folder, lost
         self._base = self._find_base()
         self._bodies = set(self._below(self._base))
         self._weight = float(model.body_subtreemass[self._base]) * float(
@@ -105,6 +106,11 @@ class _Writer:
             lost = "all hangs on the world, where the base's mass is lost."
             cure = "make the base a body with a free joint and its mass, and draft again."
             assumed.append(Note("link", lost, cure))
+        if self._lost:
+            more = len(self._lost) - 1
+            without = f"mesh {self._lost[0]}{f', and {more} more' if more else ''}: left out."
+            fetch = "soles and capsules are those of the other shapes; else fetch the meshes."
+            assumed.append(Note("link", without, fetch))
         if self._loose:
             loose = f"{', '.join(self._loose)}: play of gears, not joints: fixed."
             look = "no motor turns them; the robot file's joint_deflection has their play."

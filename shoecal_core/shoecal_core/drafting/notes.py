@@ -44,6 +44,23 @@ def robot_notes(draft: Draft) -> list[Note]:
             "none is missing, none is locked; joints with one motor belong to shared_motors.",
         ),
     ]
+    if not draft.ankles_roll:
+        notes.append(
+            Note(
+                "legs",
+                "The feet have no ankle roll: while both soles stay flat, the CoP cannot move "
+                "sideways, so `shoecal plan` refuses them.",
+                "the URDF leaves no joint out; else use known weights (`shoecal manual`).",
+            )
+        )
+    if draft.crossed:
+        notes.append(
+            Note(
+                "legs",
+                f"{'; '.join(draft.crossed)}: the limits are each other's with the wrong sign.",
+                "which of them the robot has, and correct the other one in the URDF.",
+            )
+        )
     if draft.weak_joints:
         notes.append(
             Note(

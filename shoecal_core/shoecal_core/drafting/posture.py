@@ -11,6 +11,7 @@ from scipy.optimize import brentq, least_squares
 
 from shoecal_core.drafting.body import Body, own_joints
 from shoecal_core.drafting.legs import UP, LegChains
+from shoecal_core.drafting.mirrored import crossed_limits
 from shoecal_core.drafting.soles import Sole
 from shoecal_core.robot.urdf import UrdfError
 
@@ -38,7 +39,7 @@ def find_posture(body: Body, legs: LegChains, soles: Sequence[Sole]) -> dict[str
         UrdfError: for legs without hip, knee and ankle that swing, or knees that do not bend.
     """
     swings = [_swings(body, chain, legs.left) for chain in legs.chains]
-    bend = min(_bend(body, swing[1], legs.left) for swing in swings)
+    bend = min(_bend(body, swing[1], legs) for swing in swings)
     angles = _resting(body)
 
     def ahead(hip: float) -> float:
@@ -56,10 +57,17 @@ def find_posture(body: Body, legs: LegChains, soles: Sequence[Sole]) -> dict[str
     _level_soles(body, angles, legs, soles)
     names = body.model.names
     return {
-        str(names[joint]): round(float(angles[joint]), 3)
+        str(names[joint]): _rounded(float(angles[joint]), *body.range(joint))
         for joint in own_joints(body.model)
         if abs(angles[joint]) > 5e-4 and names[joint] not in body.mimics
     }
+
+
+def _rounded(angle: float, low: float, high: float) -> float:
+    """To milliradians, within the limits."""
+    near = round(angle, 3)
+    near += 1e-3 * (near < low) - 1e-3 * (near > high)
+    return near if low <= near <= high else angle
 
 
 def _swings(body: Body, chain: Sequence[int], left: FloatArray) -> tuple[int, int, int]:
@@ -80,15 +88,24 @@ def _sense(body: Body, joint: int, left: FloatArray) -> float:
     return float(np.sign(body.axis(joint) @ left))
 
 
-def _bend(body: Body, knee: int, left: FloatArray) -> float:
+def _bend(body: Body, knee: int, legs: LegChains) -> float:
     low, high = body.range(knee)
-    most = (high if _sense(body, knee, left) > 0.0 else -low) - MARGIN
+    most = (high if _sense(body, knee, legs.left) > 0.0 else -low) - MARGIN
     if most < LEAST_BEND:
+        names = body.model.names
+        cure = "correct its limits or its axis"
+        for pair in crossed_limits(body, legs):
+            if knee in pair:
+                other = pair[0] if knee == pair[1] else pair[1]
+                cure = (
+                    f"they are those of {names[other]} with the wrong sign: correct its limits or "
+                    "its axis"
+                )
         raise UrdfError(
             body.urdf,
             f"does not bend {LEAST_BEND:g} rad backwards as a knee must (limits {low:g} to "
-            f"{high:g} rad); correct its limits or its axis",
-            field=f"joint {body.model.names[knee]}",
+            f"{high:g} rad); {cure}",
+            field=f"joint {names[knee]}",
         )
     return min(BEND, most)
 

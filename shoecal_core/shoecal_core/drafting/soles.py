@@ -152,6 +152,8 @@ def _standing_normal(body: Body, link: str, seen: FloatArray, ankle: FloatArray)
     try:
         hull = ConvexHull(seen)
     except QhullError as error:
+        if (flat := _normal_of_plane(seen)) is not None:
+            return flat
         raise UrdfError(
             body.urdf,
             "its shapes have no volume, so no sole is known; add a <collision> box of the sole's "
@@ -173,5 +175,18 @@ def _standing_normal(body: Body, link: str, seen: FloatArray, ankle: FloatArray)
     inside = outline.contains(shapely.Point(ankle[:2]))
     start = ankle if inside else np.array([*outline.centroid.coords[0], ankle[2]])
     way = -(normals @ start + offsets)[facing] / downward[facing]
-    normal = -normals[facing][np.argmin(way)]
+    return _levelled(-normals[facing][np.argmin(way)])
+
+
+def _normal_of_plane(seen: FloatArray) -> FloatArray | None:
+    """Upward normal of points that lie in one plane to stand on: contact points, say."""
+    _, sizes, rows = np.linalg.svd(seen - seen.mean(axis=0), full_matrices=False)
+    normal = rows[2] * np.sign(rows[2] @ UP)
+    if sizes[1] < TOUCHING or not normal @ UP > np.cos(STEEPEST):
+        return None
+    return _levelled(normal)
+
+
+def _levelled(normal: FloatArray) -> FloatArray:
+    """The vertical, for a face that is all but level."""
     return UP if normal @ UP > np.cos(LEVEL) else np.asarray(normal)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.errors import ShoecalError
 from shoecal_core.planning.capsules import segment_distance_squared
+from shoecal_core.planning.freedom import held_way
 from shoecal_core.planning.load_sharing import FRICTION_USED, LoadSharing, SharingSpread
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.robot.double_support import DoubleSupport
@@ -168,7 +169,8 @@ class Legs:
     Holding one means that they have been written out.
 
     Raises:
-        LegsError: for legs that cannot move the CoP while both feet stay, or without limits.
+        LegsError: for legs that cannot move the CoP both ways while both feet stay, or without
+            limits.
 
     Attributes:
         robot: whose legs.
@@ -243,6 +245,11 @@ def _check(robot: Robot) -> None:
     for side, foot in zip(FEET, robot.feet, strict=True):
         if not _chain(robot, foot):
             raise LegsError(f"{robot.path}: legs: none of them moves the {side} foot; list its leg")
+    if way := held_way(robot):
+        raise LegsError(
+            f"{robot.path}: legs: while both soles stay flat, they cannot move the CoP {way}; list "
+            "every joint of both legs, or calibrate the shoes with known weights (`shoecal manual`)"
+        )
     for kind, limits in (("effort", robot.effort_limit), ("velocity", robot.velocity_limit)):
         for name, limit in zip(robot.leg_names, limits[robot.legs], strict=True):
             if not limit > 0.0:

@@ -20,6 +20,7 @@ from shoecal_core.planning.legs import (
     least_balance,
 )
 from shoecal_core.planning.load_sharing import SharingSpread
+from shoecal_core.planning.reach import BOUND, Excess, Loose
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.support_phase import SupportPhase
 from shoecal_core.robot.double_support import DoubleSupport
@@ -234,26 +235,67 @@ class StanceSolver:
         except UnreachableError:
             self.solve_on_one(foot_pose, SupportPhase.RIGHT, others)
 
+    def loosened(
+        self, foot_pose: FootPose, place: FloatArray | None, inward: float, loose: Loose
+    ) -> Excess | None:
+        """What standing on both feet asks for beyond its bounds, where some of these are loosened.
+
+        Args:
+            foot_pose: of the right sole in the left sole's frame.
+            place: (2,) of the CoP in the left sole's frame [m]; None for the middle between the
+                feet.
+            inward: greatest part of the way to that middle by which the place may be moved in.
+            loose: the bounds that are widened.
+
+        Returns:
+            None where the widened bounds rule it out, too.
+        """
+        robot = self._legs.robot
+        target = middle(robot, foot_pose.support) if place is None else place
+        task = _Task(foot_pose, SupportPhase.BOTH, target, robot.posture, inward=inward)
+        try:
+            found, beyond = self._found(task, loose)
+        except UnreachableError:
+            return None
+        count, pairs = len(BALANCE_NAMES), len(robot.collision_pairs)
+        angles = found[:-1]
+        return Excess(
+            balance=beyond[:count],
+            clearance=beyond[count : count + pairs],
+            torque=beyond[count + pairs : -8],
+            limits=np.maximum(self._lower - angles, angles - self._upper),
+        )
+
     def _solved(self, task: _Task) -> tuple[FloatArray, float]:
-        """Leg angles, and the part of the way to the middle by which the place is moved in.
+        """Leg angles, and the part of the way to the middle by which the place is moved in."""
+        found, _ = self._found(task, BOUND)
+        return found[:-1], float(found[-1])
+
+    def _found(self, task: _Task, loose: Loose) -> tuple[FloatArray, FloatArray]:
+        """Leg angles and way in (k + 1,), and by how much each bound as it is is violated (r,).
 
         The width of the sharing's interval is that of the posture found without it, with a reserve.
+
+        Raises:
+            UnreachableError: where nothing is within the loosened bounds.
         """
         start = np.append(np.clip(self._legs.nominal, self._lower, self._upper), 0.0)
         spread = SharingSpread.none(self._legs.robot)
-        found, beyond = self._tried(task, start, spread)
+        found, beyond, own = self._tried(task, start, spread, loose)
         if task.inward and np.all(beyond < 0.0):
             jacobian = np.array(self._relative_jacobian(found[:-1], task.others))
             spread = SharingSpread.of(self._legs.robot, jacobian[None]).scaled(_RESERVE)
-            found, beyond = self._tried(task, found, spread)
+            found, beyond, own = self._tried(task, found, spread, loose)
         if not np.all(beyond < 0.0):
             raise self._unreachable(task, beyond)
-        return found[:-1], float(found[-1])
+        return found, own
 
     def _tried(
-        self, task: _Task, start: FloatArray, spread: SharingSpread
-    ) -> tuple[FloatArray, FloatArray]:
-        """Leg angles and way in (k + 1,), and by how much each constraint is violated (r,)."""
+        self, task: _Task, start: FloatArray, spread: SharingSpread, loose: Loose
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Leg angles and way in (k + 1,), and by how much each constraint is violated (r,): as it
+        is loosened, and as it is.
+        """
         robot, loaded = self._legs.robot, np.array([task.support_phase.feet])
         least = np.append(
             least_balance(robot, self._settings, loaded, spread)[0],
@@ -263,6 +305,14 @@ class StanceSolver:
             least[BALANCE_EDGES] += _FLAT_RESERVE
         torque = np.maximum(0.0, self._torque - spread.torque[0])
         bounds = np.concatenate([torque, np.full(2, task.aside), np.zeros(6)])
+        asked, allowed = least.copy(), bounds.copy()
+        asked[: len(BALANCE_NAMES)] -= loose.balance_share
+        asked[len(BALANCE_NAMES) :] -= loose.clearance_m
+        allowed[: len(torque)] = np.maximum(
+            0.0, loose.torque_factor * self._torque - spread.torque[0]
+        )
+        lower = np.append(self._lower - loose.limits_rad, 0.0)
+        upper = np.append(self._upper + loose.limits_rad, task.inward)
         centre = middle(robot, task.foot_pose.support)
         result = self._solver(
             x0=start,
@@ -272,24 +322,15 @@ class StanceSolver:
                     task.others,
                 ]
             ),
-            lbx=np.append(self._lower, 0.0),
-            ubx=np.append(self._upper, task.inward),
-            lbg=np.concatenate([least, -bounds]),
-            ubg=np.concatenate([np.full(len(least), np.inf), bounds]),
+            lbx=lower,
+            ubx=upper,
+            lbg=np.concatenate([asked, -allowed]),
+            ubg=np.concatenate([np.full(len(asked), np.inf), allowed]),
         )  # fmt: skip
         # IPOPT relaxes bounds by rounding; inside is inside.
-        found = np.clip(
-            np.array(result["x"]).ravel(),
-            np.append(self._lower, 0.0),
-            np.append(self._upper, task.inward),
-        )
+        found = np.clip(np.array(result["x"]).ravel(), lower, upper)
         values = np.array(result["g"]).ravel()
-        beyond = np.concatenate(
-            [least - values[: len(least)], np.abs(values[len(least) :]) - bounds]
-        )
-        scale = np.maximum(np.concatenate([np.abs(least), bounds]), 1.0)
-        scale[~np.isfinite(scale)] = 1.0
-        return found, beyond - _RESIDUAL * scale
+        return found, _beyond(values, asked, allowed), _beyond(values, least, bounds)
 
     def _unreachable(self, task: _Task, beyond: FloatArray) -> UnreachableError:
         robot = self._legs.robot
@@ -308,6 +349,15 @@ class StanceSolver:
             robot.name, task.foot_pose.support, miss, overload, task.support_phase,
             ", ".join(unbalanced),
         )  # fmt: skip
+
+
+def _beyond(values: FloatArray, least: FloatArray, bounds: FloatArray) -> FloatArray:
+    """(r,) by how much values violate a least (r - s,), or a bound of their size (s,)."""
+    beyond = np.concatenate([least - values[: len(least)], np.abs(values[len(least) :]) - bounds])
+    scale = np.maximum(np.concatenate([np.abs(least), bounds]), 1.0)
+    scale[~np.isfinite(scale)] = 1.0
+    found: FloatArray = beyond - _RESIDUAL * scale
+    return found
 
 
 def stance(

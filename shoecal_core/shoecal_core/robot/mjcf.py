@@ -18,12 +18,15 @@ from mujoco import mjtBias, mjtGain, mjtJoint, mjtObj, mjtSensor, mjtTrn
 from numpy.typing import NDArray
 
 from shoecal_core.errors import FileError
+from shoecal_core.files import read_bytes
 from shoecal_core.robot.correction import ModelCorrection
 from shoecal_core.robot.robot import Robot, first_link
 from shoecal_core.robot.urdf import written
 from shoecal_core.shoe.shoe import FEET
 
 FloatArray = NDArray[np.float64]
+LFS_POINTER = b"version https://git-lfs"
+"""Begins a file that stands for one in another store."""
 TURNED = 1e-3
 """rad; frames of one name in URDF and MJCF that differ by more are not the same frame."""
 TRIED = 0.1
@@ -42,23 +45,74 @@ class MjcfError(FileError):
     """An MJCF that no robot can be made of, or of another robot than the one in use."""
 
 
-def read_mjcf(path: Path) -> tuple[mujoco.MjSpec, mujoco.MjModel]:
+def read_mjcf(path: Path, lost: list[str] | None = None) -> tuple[mujoco.MjSpec, mujoco.MjModel]:
     """An MJCF as it is written down, and compiled.
 
+    Args:
+        path: of the file, whatever its suffix.
+        lost: gets the mesh files that are not there, each with what is the matter; their shapes
+            are left out. None: without one of them the model is not read.
+
     Raises:
-        MjcfError: where MuJoCo does not read it.
+        MjcfError: where MuJoCo does not read it, or the mass of a body follows from a lost mesh.
     """
     try:
-        spec, whole = (mujoco.MjSpec.from_file(str(path)) for _ in range(2))
+        spec, whole = (_written_down(path) for _ in range(2))
         # Bodies that are fixed to others keep their names and numbers.
         whole.compiler.fusestatic = False
         # Pairs of contact often name the floor, which only the scene around the robot has.
         for pair in whole.pairs:
             whole.delete(pair)
+        if lost is not None:
+            lost += _without_lost_meshes(path, whole)
         return spec, whole.compile()
     except ValueError as error:
         reason = " ".join(str(error).split())
         raise MjcfError(path, f"MuJoCo does not read it: {reason}; correct the model") from error
+
+
+def _written_down(path: Path) -> mujoco.MjSpec:
+    """MuJoCo goes by the suffix, which is not .xml everywhere."""
+    if path.suffix.lower() == ".xml":
+        return mujoco.MjSpec.from_file(str(path))
+    spec = mujoco.MjSpec.from_string(read_bytes(path).decode("utf-8", errors="replace"))
+    spec.modelfiledir = str(path.parent)
+    return spec
+
+
+def _without_lost_meshes(path: Path, spec: mujoco.MjSpec) -> list[str]:
+    """Take shapes out whose meshes cannot be had; these, each with what is the matter."""
+    folder = path.parent / spec.compiler.meshdir
+    lost = {
+        mesh.name: f"{mesh.file} {why}"
+        for mesh in spec.meshes
+        if mesh.file and (why := _trouble(folder / mesh.file))
+    }
+    for geom in list(spec.geoms):
+        if geom.meshname not in lost:
+            continue
+        if not geom.parent.explicitinertial:
+            raise MjcfError(
+                path,
+                f"its mass follows from a mesh, but {lost[geom.meshname]}; fetch the mesh, or give "
+                "the body an <inertial>",
+                field=f"body {geom.parent.name}",
+            )
+        spec.delete(geom)
+    for mesh in list(spec.meshes):
+        if mesh.name in lost:
+            spec.delete(mesh)
+    return list(lost.values())
+
+
+def _trouble(mesh: Path) -> str:
+    """What is the matter with a mesh file; empty where it is there."""
+    if not mesh.is_file():
+        return "is not there"
+    content = read_bytes(mesh)
+    if content.startswith(LFS_POINTER):
+        return "is a Git LFS pointer (run git lfs pull)"
+    return "" if content else "is empty"
 
 
 def corrected_mjcf(

@@ -73,8 +73,6 @@ def _listed(item: Fields, names: Sequence[str]) -> SharedMotor:
 
 def _mimicked(urdf: Path, name: str, mimic: Mimic, names: Sequence[str]) -> SharedMotor:
     field = f"joint {name}"
-    if name not in names:
-        raise UrdfError(urdf, "a joint that does not turn cannot mimic; drop it", field=field)
     if mimic.leader not in names or mimic.leader == name:
         raise UrdfError(
             urdf,

@@ -109,7 +109,8 @@ def read_urdf(path: Path) -> Urdf:
         missing = f" ({_named(reader.unweighed)})" if reader.unweighed else ""
         raise UrdfError(path, f"no link has a mass{missing}; the CoM needs them", field="inertial")
     _check_joints(path, model)
-    mimics = {one: mimic for one, mimic in reader.mimics.items() if one not in reader.locked}
+    # What does not turn does not follow either; exporters leave its <mimic> where they fix a joint.
+    mimics = {one: mimic for one, mimic in reader.mimics.items() if model.existJointName(one)}
     for name, mimic in mimics.items():
         if mimic.leader in reader.locked:
             raise UrdfError(

@@ -16,7 +16,7 @@ class RobotFellError(ShoecalError):
         self.time = time
         super().__init__(
             f"simulated robot '{robot}' fell at {time:.2f} s (soles tilted by {tilt:.2f} rad, "
-            f"torso at {height:.0%} of its standing height); plan a slower motion or a wider stance"
+            f"CoM at {height:.0%} of its standing height); plan a slower motion or a wider stance"
         )
 
 

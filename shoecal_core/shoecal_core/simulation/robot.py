@@ -31,8 +31,8 @@ from shoecal_core.simulation.stepping import advance
 __all__ = ["RobotFellError", "SimulatedRobot", "SupportNotReachedError"]
 
 _FALLEN_TILT, _FALLEN_HEIGHT = 0.5, 0.5
-"""rad of the flatter sole, and the torso's part of its standing height: beyond either, the robot
-has fallen. A torso may lean as planned."""
+"""rad of the flatter sole, and the CoM's part of its standing height: beyond either, the robot has
+fallen. A torso may lean as planned, and a base frame may be anywhere, at the floor too."""
 _REST_SPEED, _REST_TIME = 2e-3, 0.5
 """m/s, rad/s: slower than this, for that long [s], is at rest."""
 
@@ -155,7 +155,8 @@ class SimulatedRobot:
         self._run_begin, self._acting = None, self._always
         self._set_points = SetPoints(still, self._steps, self.drawn.rules.step_s)
         self.data.act[:] = self._motor_angles(angles)
-        self._standing_height = float(self.data.xpos[self._base, 2])
+        mujoco.mj_comPos(self._model, self.data)
+        self._standing_height = self._com_height()
         self._chain.lift()
         self._friction.release(self.data)
         advance(self._model, self.data)
@@ -312,10 +313,14 @@ class SimulatedRobot:
         return angles
 
     def _posture(self) -> tuple[float, float]:
-        """Tilt of the flatter sole [rad], and the torso's height over its standing one."""
+        """Tilt of the flatter sole [rad], and the CoM's height over its standing one."""
         up = float(self._soles.pose(self.data)[1][:, 2, 2].max())
-        height = float(self.data.xpos[self._base, 2]) / self._standing_height
+        height = self._com_height() / self._standing_height
         return math.acos(max(-1.0, min(1.0, up))), height
+
+    def _com_height(self) -> float:
+        """Of robot and shoes above the floor [m]."""
+        return float(self.data.subtree_com[self._base, 2])
 
     def _warm(self, span: float) -> None:
         """Motors warm up with the square of their torque, and cool to what is around them."""

@@ -77,3 +77,56 @@ def test_a_range_that_no_foot_fits_into(folder: Path, shoecal: Run) -> None:
     span["dy_m"].update(lower=-0.079, upper=-0.05, neutral=-0.079)
     robot = mutations.write_edited(folder / WREN.name, WREN, (("support_range",), span))
     assert "0 of 1 double supports found where the feet neither collide" in planned(shoecal, robot)
+
+
+def narrow(folder: Path) -> Path:
+    """The known robot, to stand in one double support alone."""
+    span = yaml.safe_load(WREN.read_text())["support_range"]
+    for row, place in zip(span.values(), (0.0, -0.13, 0.0), strict=True):
+        row.update(lower=place, upper=place, neutral=place)
+    return mutations.write_edited(folder / WREN.name, WREN, (("support_range",), span))
+
+
+@pytest.mark.parametrize(
+    ("joint", "change", "said"),
+    [
+        ("_", (r'effort="[^"]*"', 'effort="0.2"'),
+         r"_\w+ would need [0-9.]+ N m more than torque_share of its 0\.2 N m; see that"),
+        ("_hip_sway", (r'lower="[^"]*" upper="[^"]*"', 'lower="-0.06" upper="0.06"'),
+         r"_sway would turn [0-9.]+ rad beyond its limits and their margins; see that"),
+    ],
+)  # fmt: skip
+def test_the_bound_that_rules_a_stance_out(
+    joint: str, change: tuple[str, str], said: str, folder: Path, shoecal: Run
+) -> None:
+    """Motors that are too weak; hips that do not turn far enough to stand wide."""
+    urdf = folder / "wren.urdf"
+    parts = re.split(r"(?=<joint name=)", urdf.read_text())
+    chosen = [re.match(rf'<joint name="(left|right){joint}', part) for part in parts]
+    assert sum(map(bool, chosen)) >= 2
+    urdf.write_text(
+        "".join(re.sub(*change, part) if named else part
+                for part, named in zip(parts, chosen, strict=True))
+    )  # fmt: skip
+    line = planned(shoecal, narrow(folder))
+    assert re.search(rf"with the .*{said}", line), line
+
+
+def test_feet_without_ankle_roll(folder: Path, shoecal: Run) -> None:
+    """Drafted with a word of warning; planning refuses them before it looks for anything."""
+    urdf = folder / "wren.urdf"
+    parts = re.split(r"(?=<joint name=)", urdf.read_text())
+    stiff = [
+        part.replace('type="revolute"', 'type="fixed"', 1) if "_ankle_sway" in part[:40] else part
+        for part in parts
+    ]
+    urdf.write_text("".join(stiff))
+    robot = folder / "stiff.yaml"
+    code, said, _ = shoecal("new", "robot", urdf, "-o", robot)
+    assert code == 0
+    assert "legs: The feet have no ankle roll: while both soles stay flat, the CoP cannot" in said
+    shoe = folder / "stiff_shoe.yaml"
+    code, _, error = shoecal("plan", robot, "--shoe", shoe, "--out", folder / "out")
+    assert code == 1
+    (line,) = (one for one in error.splitlines() if "]" not in one)
+    assert "cannot move the CoP sideways (the feet have no ankle roll); list every joint" in line

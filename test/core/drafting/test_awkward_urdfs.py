@@ -326,3 +326,68 @@ def test_hips_whose_pitch_axis_is_tilted(tmp_path: Path) -> None:
     )
     assert abs(height) < 1e-3
     assert np.abs([*tilt, *yaw]).max() < 5e-3
+
+
+def test_a_mimic_that_was_left_on_a_fixed_joint(tmp_path: Path) -> None:
+    mimic = '<mimic joint="left_knee" multiplier="1" offset="0"/>'
+    finger = FINGER.format("finger", "left_forearm", mimic).replace("continuous", "fixed")
+    urdf = with_more(tmp_path, finger)
+    assert read_urdf(urdf).mimics == {}
+    drafted(urdf)
+
+
+@pytest.mark.parametrize(("low", "high"), [(0.1003, 1.0), (-1.0, -0.1003)])
+def test_a_joint_that_cannot_be_at_zero_is_drafted_within_its_limits(
+    low: float, high: float, tmp_path: Path
+) -> None:
+    """Nearest to zero, in milliradians that the limits hold."""
+    limit = f'<limit lower="{low}" upper="{high}" effort="1" velocity="1"/>'
+    finger = FINGER.format("finger", "left_forearm", limit).replace("continuous", "revolute")
+    found = drafted(with_more(tmp_path, finger))
+    assert abs(found.posture["finger"]) == pytest.approx(0.101)
+
+
+def test_contact_points_make_a_sole(tmp_path: Path) -> None:
+    """Spheres without a radius in the corners of the box that the foot has."""
+    boxed = draft("wren")
+    text = re.sub(NO_SHAPES, "", (ROBOTS / "wren.urdf").read_text(), flags=re.DOTALL)
+    for foot, side in enumerate(("left", "right")):
+        sole = boxed.soles[foot]
+        points = "".join(
+            f'<collision><origin xyz="{x} {y} {z}"/><geometry><sphere radius="0"/></geometry>'
+            "</collision>"
+            for x, y, z in (sole.placement.act(np.array([*one, 0.0])) for one in sole.outline)
+        )
+        link = f'<link name="{side}_sole">'
+        assert sole.link == f"{side}_sole"
+        text = text.replace(link, link + points)
+    urdf = tmp_path / "wren.urdf"
+    urdf.write_text(text)
+    found = drafted(urdf)
+    for known, points_alone in zip(boxed.soles, found.soles, strict=True):
+        np.testing.assert_allclose(np.ptp(points_alone.outline, axis=0),
+                                   np.ptp(known.outline, axis=0), atol=1e-3)  # fmt: skip
+        assert points_alone.height == pytest.approx(known.height, abs=1e-3)
+
+
+def test_limits_with_the_wrong_sign_are_named(tmp_path: Path) -> None:
+    """Of a hip, to be checked; of a knee, that then does not bend."""
+    text = (ROBOTS / "wren.urdf").read_text()
+    assert not draft("wren").crossed
+    for joint in ("left_hip_sway", "left_knee"):
+        start = text.index(f'<joint name="{joint}"')
+        end = text.index("</joint>", start)
+        low, high = (
+            float(one) for one in re.findall(r'(?:lower|upper)="([^"]*)"', text[start:end])
+        )
+        turned = re.sub('lower="[^"]*" upper="[^"]*"', f'lower="{-high}" upper="{-low}"',
+                        text[start:end])  # fmt: skip
+        (tmp_path / "wren.urdf").write_text(text[:start] + turned + text[end:])
+        if joint == "left_knee":
+            with pytest.raises(FileError, match="those of right_knee with the wrong sign"):
+                draft_robot(tmp_path / "wren.urdf", "wren")
+        else:
+            assert (
+                "left_hip_sway and right_hip_sway: the limits are each other's with the wrong sign."
+                in told(drafted(tmp_path / "wren.urdf"))
+            )

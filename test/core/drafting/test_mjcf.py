@@ -150,3 +150,40 @@ def test_what_is_no_tree_of_hinges_is_refused_with_its_cure(
         as_urdf(odd, "odd_meshes")
     assert raised.value.field == field
     assert raised.value.path == odd
+
+
+def with_lost_mesh(text: str, inertial: str) -> str:
+    """A cover on the shank, of a mesh that is in no folder."""
+    text = text.replace("<asset>", '<asset><mesh name="cover" file="cover.stl"/>')
+    cover = f'{inertial}<geom type="mesh" mesh="cover"/>'
+    place = '<joint name="slide" type="slide" axis="0 0 1" range="-0.02 0.03" ref="0.01"/>'
+    assert place in text
+    return text.replace(place, place + cover)
+
+
+@pytest.mark.parametrize(
+    ("content", "why"),
+    [(None, "is not there"), (b"", "is empty"),
+     (b"version https://git-lfs.github.com/spec/v1", "Git LFS pointer")],
+)  # fmt: skip
+def test_lost_meshes_are_left_out(content: bytes | None, why: str, odd: Path) -> None:
+    """As far as no mass follows from them."""
+    text = odd.read_text()
+    if content is not None:
+        (odd.parent / "cover.stl").write_bytes(content)
+    inertial = '<inertial pos="0 0 0" mass="0.2" diaginertia="1e-4 1e-4 1e-4"/>'
+    odd.write_text(with_lost_mesh(text, inertial))
+    converted = as_urdf(odd, "odd_meshes")
+    (note,) = (one.found for one in converted.assumed if "cover.stl" in one.found)
+    assert why in note
+    assert len(converted.meshes) == 1
+    odd.write_text(with_lost_mesh(text, ""))
+    with pytest.raises(MjcfError, match=why) as raised:
+        as_urdf(odd, "odd_meshes")
+    assert raised.value.field == "body shank"
+
+
+def test_a_suffix_that_mujoco_does_not_know(odd: Path) -> None:
+    other = odd.with_suffix(".mjcf")
+    other.write_text(odd.read_text())
+    assert as_urdf(other, "meshes").urdf == as_urdf(odd, "meshes").urdf

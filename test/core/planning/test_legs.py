@@ -6,7 +6,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from core.planning.bodies import Body
+from core.planning.bodies import Body, load_body
 from shoecal_core.planning.legs import FootPose, Legs, LegsError
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
@@ -57,3 +57,12 @@ def test_legs_that_cannot_be_planned_with(nao: Body) -> None:
         Legs(with_limit(robot, "RKneePitch", "effortLimit"))
     with pytest.raises(LegsError, match="joint LHipRoll: the velocity limit is 0; give"):
         Legs(with_limit(robot, "LHipRoll", "velocityLimit"))
+
+
+def test_legs_without_ankle_roll() -> None:
+    """Such a robot can stand, but its CoP cannot be moved sideways while it does."""
+    robot = load_body("wren").robot
+    kept = [index for index in robot.legs if not robot.joint_names[index].endswith("ankle_sway")]
+    assert len(kept) == len(robot.legs) - 2
+    with pytest.raises(LegsError, match=r"CoP sideways \(the feet have no ankle roll\); list"):
+        Legs(dataclasses.replace(robot, legs=np.array(kept)))

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import dataclasses
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,7 +10,9 @@ from core.simulation.worlds import DEFAULT, PERFECT, World, changed
 from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError, ShoecalError
 from shoecal_core.robot.joint_trajectory import JointTrajectory
+from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.shoe import wrench
 from shoecal_core.simulation.effects.contact import FloorTilt
 from shoecal_core.simulation.effects.timing import Latency
@@ -308,3 +311,24 @@ def test_the_root_stands_where_the_model_says(world: World) -> None:
     assert com_in_left_sole(sim) == pytest.approx(com, abs=1e-4)
     assert snap.base_orientation == pytest.approx([0.0, 0.0, 0.0, 1.0], abs=0.2)
     assert snap.base_position[2] > 0.2
+
+
+def test_a_squat_of_a_base_frame_near_the_floor_is_no_fall(nao: World, tmp_path: Path) -> None:
+    above = float(nao.standing(PERFECT).snapshot().base_position[2])
+    frame = (
+        '<link name="ground"/><joint name="ground" type="fixed"><parent link="ground"/>'
+        f'<child link="base_link"/><origin xyz="0 0 {above - 0.02}"/></joint></robot>'
+    )
+    urdf = tmp_path / "nao.urdf"
+    urdf.write_text(nao.robot.urdf.read_text().replace("</robot>", frame))
+    robot = load_robot(nao.robot.path, nao.shoe, urdf=urdf)
+    sim = World(robot, nao.shoe, Kinematics(robot)).standing(PERFECT)
+    assert sim.snapshot().base_position[2] == pytest.approx(0.02, abs=5e-3)
+    names = tuple(
+        f"{side}{joint}" for side in "LR" for joint in ("HipPitch", "KneePitch", "AnklePitch")
+    )
+    start = np.array([robot.posture[robot.joint(name)] for name in names])
+    squat = start + np.tile([-0.2, 0.4, -0.2], 2)
+    run(sim, JointTrajectory(names, np.array([0.0, 3.0]), np.array([start, squat])), 100.0)
+    assert sim.snapshot().base_position[2] < 0.01
+    assert sim.upright

@@ -71,8 +71,7 @@ class _Search:
         """
         pool = self.more(max(count, size))
         if len(pool) < count:
-            feasible = self.feasible
-            raise SupportRangeError(feasible.robot.name, len(pool), count, feasible.tally)
+            raise SupportRangeError(self.feasible, len(pool), count)
         return pool
 
     def more(self, wanted: int) -> list[DoubleSupport]:

@@ -13,6 +13,7 @@ from shoecal_core.errors import ShoecalError
 from shoecal_core.planning.landmarks import Contour
 from shoecal_core.planning.legs import FootPose, Legs
 from shoecal_core.planning.posture import StanceSolver, UnreachableError, middle
+from shoecal_core.planning.reach import obstacle
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
@@ -48,18 +49,13 @@ class Tally:
 
     @property
     def cure(self) -> str:
-        """Of what rules most of them out."""
-        most = max(self.near, self.unreachable, self.landmarks)
-        if most == 0:
+        """Of feet that are too near each other; empty where something else rules most out."""
+        others = max(self.unreachable, self.landmarks)
+        if self.near == others == 0:
             return "widen support_range"
-        if most == self.near:
+        if self.near > others:
             return "widen support_range, or lower distance_min or foot_clearance"
-        named = "see that 'legs' of the robot file names every joint of both legs"
-        if most == self.unreachable:
-            return (
-                f"{named}, bring support_range nearer to the neutral stance, or lower stance_margin"
-            )
-        return f"{named}, widen support_range, or lower stance_margin or landmarks_in_reach"
+        return ""
 
 
 class SupportRangeError(ShoecalError):
@@ -69,11 +65,12 @@ class SupportRangeError(ShoecalError):
         tally: of those that were looked at.
     """
 
-    def __init__(self, robot: str, found: int, wanted: int, tally: Tally) -> None:
-        self.tally = tally
+    def __init__(self, feasible: Feasible, found: int, wanted: int) -> None:
+        self.tally = feasible.tally
+        why = f"; {self.tally.cure}" if self.tally.cure else f": {feasible.ruled_out()}"
         super().__init__(
-            f"robot '{robot}': {found} of {wanted} double supports found where the feet "
-            f"neither collide nor are out of reach (looked at: {tally}); {tally.cure}"
+            f"robot '{feasible.robot.name}': {found} of {wanted} double supports found where the "
+            f"feet neither collide nor are out of reach (looked at: {self.tally}){why}"
         )
 
 
@@ -103,6 +100,18 @@ def support_grid(robot: Robot) -> FloatArray:
     return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3).round(9)
 
 
+@dataclass(frozen=True)
+class _Miss:
+    """A double support that the robot cannot be asked to visit.
+
+    Attributes:
+        landmark: (2,) that it does not reach, left sole's frame [m]; None: it cannot stand there.
+    """
+
+    support: DoubleSupport
+    landmark: FloatArray | None
+
+
 class Feasible:
     """The double supports of one robot that pass all checks which concern one alone.
 
@@ -119,6 +128,7 @@ class Feasible:
         self.robot, self.settings = robot, settings
         self.tally = Tally()
         self._stance = StanceSolver(Legs(robot), settings)
+        self._misses: list[_Miss] = []
 
     def draw(self, generator: np.random.Generator) -> Iterator[DoubleSupport]:
         """All of them in random order: the paper's draws."""
@@ -138,19 +148,46 @@ class Feasible:
             self._stance.solve(support)
         except UnreachableError:
             self.tally.unreachable += 1
+            self._misses.append(_Miss(support, None))
             return False
         landmarks = Contour.of(self.robot, support).corners
         # As soon as too many are out of reach, the others need no look.
         spare = len(landmarks) - self.settings.landmarks_in_reach
         failed = (landmark for landmark in landmarks if not self._reaches(support, landmark))
-        if len(list(itertools.islice(failed, spare + 1))) > spare:
+        missed = list(itertools.islice(failed, spare + 1))
+        if len(missed) > spare:
             self.tally.landmarks += 1
+            self._misses.append(_Miss(support, missed[-1]))
             return False
         if self.settings.one_foot and not self._on_one_foot(support):
             self.tally.unreachable += 1
             return False
         self.tally.usable += 1
         return True
+
+    def ruled_out(self) -> str:
+        """What rules out most of those that were looked at, by the one next to normal standing."""
+        on_feet = self.tally.unreachable >= self.tally.landmarks
+        misses = [miss for miss in self._misses if (miss.landmark is None) == on_feet]
+        if not misses:
+            return "one foot cannot carry the weight; widen support_range, or turn one_foot off"
+        miss = min(misses, key=lambda one: self._from_neutral(one.support))
+        pose = FootPose.of(miss.support)
+        inward = 0.0 if miss.landmark is None else _MOVED_IN
+        found = obstacle(
+            self.robot, lambda loose: self._stance.loosened(pose, miss.landmark, inward, loose)
+        )
+        where = f"with the right foot at {miss.support}"
+        if miss.landmark is not None:
+            x, y = 1e3 * miss.landmark
+            where = f"with the CoP at the landmark ({x:.0f}, {y:.0f}) mm and {where[5:]}"
+        return f"{where}, {found.what}; {found.cure}"
+
+    def _from_neutral(self, support: DoubleSupport) -> float:
+        """Steps of the range between a double support and normal standing."""
+        span = self.robot.support_range
+        place = np.array([support.dx, support.dy, support.dtheta])
+        return float(np.linalg.norm((place - span.neutral) / span.step))
 
     def _apart(self, grid: FloatArray) -> Iterator[DoubleSupport]:
         distances = feet_distance(grid[:, :2], grid[:, 2], self.settings)

@@ -87,4 +87,4 @@ def named_support(name: str, feasible: Feasible) -> DoubleSupport:
         for support in sorted(alike[much], key=away)[:_TRIED]:
             if feasible.can_stand(support):
                 return support
-    raise SupportRangeError(feasible.robot.name, 0, 1, feasible.tally)
+    raise SupportRangeError(feasible, 0, 1)
