@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from blind.motions import PlannedMotion
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import BoolArray, FloatArray, IntArray
 from shoecal_core.planning.standard import TRAIN
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import columns_in_left
@@ -31,14 +30,14 @@ class Felt:
         training: (T,) whether the sample's run is there to calibrate.
     """
 
-    run: NDArray[np.int64]
+    run: IntArray
     time: FloatArray
     since: FloatArray
     forces: FloatArray
     speeds: FloatArray
     shoe: Shoe
     columns: FloatArray
-    training: NDArray[np.bool_]
+    training: BoolArray
 
     @property
     def runs(self) -> list[slice]:

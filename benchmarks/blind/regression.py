@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.error_sources.base import Effect, Place, Shape, lower_bounds
 from shoecal_core.error_sources.effects.known import EFFECTS
 from shoecal_core.error_sources.settings import SignalSettings
@@ -109,7 +108,7 @@ def _parameters(shape: Shape) -> int:
     return max(1, len(shape.free) + len(shape.fixed)) + (shape.onset is not None)
 
 
-def _scales(base: FloatArray, residuals: FloatArray, signal: NDArray[np.int64]) -> FloatArray:
+def _scales(base: FloatArray, residuals: FloatArray, signal: IntArray) -> FloatArray:
     """(R,) deviation that gains and offsets leave of each residual's signal."""
     scale = np.ones(len(residuals))
     for _ in range(3):

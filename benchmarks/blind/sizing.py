@@ -6,7 +6,6 @@ import dataclasses
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from blind.answers import Answer, Foreign, Truth
 from blind.draws import own_gap, unit_floor
@@ -15,6 +14,7 @@ from blind.gap import gap_of_change
 from blind.laws import Law, drawn_law
 from blind.unknown_laws import FUNCTIONS, unknown_law
 from blind.world import over_perfect
+from shoecal_core.arrays import FloatArray
 
 _TRIES, _NEAR = 12, 0.05
 """Sizes tried, and how near to the aim, as a logarithm, is near enough."""
@@ -26,7 +26,7 @@ class Sized(NamedTuple):
     """A law at the size that was asked for."""
 
     size: float
-    forces: NDArray[np.float64]
+    forces: FloatArray
 
 
 def sized(law: Law, felt: Felt, gap: float) -> Sized:

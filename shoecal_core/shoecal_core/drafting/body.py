@@ -13,16 +13,14 @@ from xml.etree import ElementTree
 import coal
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.drafting.mesh_files import find_mesh
 from shoecal_core.files import read_bytes
 from shoecal_core.robot.mjcf import LFS_POINTER
 from shoecal_core.robot.native_output import caught_stderr
 from shoecal_core.robot.symbolic import joint_axis
 from shoecal_core.robot.urdf import ROOT_JOINTS, Mimic, UrdfError, read_urdf
-
-FloatArray = NDArray[np.float64]
 
 CIRCLE = 32
 """Points for a circle; the first lies on an axis of its shape."""

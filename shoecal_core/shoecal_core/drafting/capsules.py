@@ -8,14 +8,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.drafting.body import Body
 from shoecal_core.drafting.legs import LegChains
 from shoecal_core.drafting.soles import TOUCHING, Sole
 from shoecal_core.shoe.shoe import FEET
-
-FloatArray = NDArray[np.float64]
 
 FOOT_RADIUS = 0.25
 """Largest radius of a foot's capsule, as a part of the sole's width."""

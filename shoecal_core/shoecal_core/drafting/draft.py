@@ -9,11 +9,11 @@ from pathlib import Path
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely import affinity
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import nearest_points
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.drafting.body import Body, Shapes, find_shapes, own_joints, read_body
 from shoecal_core.drafting.capsules import DraftCapsule, find_capsules, pairs_of
 from shoecal_core.drafting.foot_cells import FootCells, find_cells
@@ -42,8 +42,6 @@ from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.robot.urdf import UrdfError
 from shoecal_core.shoe.shoe import Shoe, load_shoe
-
-FloatArray = NDArray[np.float64]
 
 SENSING = (0.65, 0.6)
 """Length and width of the sensing polygon over the outline's, as on robots that are known: models

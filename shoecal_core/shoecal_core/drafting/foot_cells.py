@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.drafting.body import Body
 from shoecal_core.drafting.legs import LegChains
 from shoecal_core.drafting.soles import Sole
@@ -28,7 +28,7 @@ class FootCells:
     """
 
     names: tuple[str, ...]
-    places: NDArray[np.float64]
+    places: FloatArray
 
 
 def find_cells(body: Body, legs: LegChains, soles: tuple[Sole, Sole]) -> list[FootCells] | None:

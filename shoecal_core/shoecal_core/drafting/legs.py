@@ -8,12 +8,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.drafting.body import Body, own_joints
 from shoecal_core.robot.urdf import UrdfError
-
-FloatArray = NDArray[np.float64]
 
 LEAST_MOTORS = 8
 """Six hold two feet in place, two more move the body."""

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.drafting.body import Body
 from shoecal_core.drafting.legs import LegChains
-
-FloatArray = NDArray[np.float64]
 
 PARALLEL = 0.9
 """Cosine of the angle between an axis and the other one's mirror image, at least."""

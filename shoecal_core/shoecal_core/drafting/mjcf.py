@@ -16,15 +16,13 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 from mujoco import mjtEq, mjtGeom, mjtJoint, mjtObj, mjtSensor, mjtTrn
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.drafting.notes import Note
 from shoecal_core.files import atomic_write, make_folder
 from shoecal_core.robot.mjcf import MjcfError, read_mjcf
 from shoecal_core.robot.urdf import written
-
-FloatArray = NDArray[np.float64]
 
 SPEED = 3.0
 """rad/s; MJCF has no speeds of motors. Slower than the knee of any humanoid, and ten times faster

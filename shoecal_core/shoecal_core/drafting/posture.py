@@ -6,16 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 from scipy.optimize import brentq, least_squares
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.drafting.body import Body, own_joints
 from shoecal_core.drafting.legs import UP, LegChains
 from shoecal_core.drafting.mirrored import crossed_limits
 from shoecal_core.drafting.soles import Sole
 from shoecal_core.robot.urdf import UrdfError
-
-FloatArray = NDArray[np.float64]
 
 BEND = 0.8
 """rad; of the knees."""

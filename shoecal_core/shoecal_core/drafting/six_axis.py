@@ -7,13 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.drafting.body import Body
 from shoecal_core.drafting.legs import LegChains
 from shoecal_core.drafting.soles import Sole
-
-FloatArray = NDArray[np.float64]
 
 NAME = re.compile(
     r"(^|[_\-/.])(ft|fts|f_t|force_?torque|wrench)([_\-/.]|$)|force_?torque", re.IGNORECASE

@@ -7,15 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 import shapely
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 from shapely.geometry.base import BaseGeometry
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.drafting.body import Body
 from shoecal_core.drafting.legs import UP
 from shoecal_core.robot.urdf import UrdfError
-
-FloatArray = NDArray[np.float64]
 
 TOUCHING = 0.002
 """m; what is no farther from the sole's plane belongs to the sole."""

@@ -9,9 +9,8 @@ from __future__ import annotations
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from shoecal_core.arrays import FloatArray
 
 _TINY = 1e-14
 """m^2; squared lengths below this are those of points."""

@@ -12,14 +12,12 @@ On one foot this lowers the other foot and brings it nearer to the one that stan
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.legs import FootPose
 from shoecal_core.planning.support_phase import SupportPhase
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.standing import feet_gap
-
-FloatArray = NDArray[np.float64]
 
 _CROSSING = 0.02
 """Of a torque limit; below it a joint is on its way from one side of its play to the other."""

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.urdf import ROOT_JOINTS
-
-FloatArray = NDArray[np.float64]
 
 WAYS = ("forward", "sideways")
 _HELD = 1e-6

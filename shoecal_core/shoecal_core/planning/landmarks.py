@@ -6,12 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
-
-FloatArray = NDArray[np.float64]
 
 FROM_EDGE = 0.25
 """Part of a sensing polygon's length between a landmark and the nearest edge."""

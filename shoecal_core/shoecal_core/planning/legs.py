@@ -7,8 +7,8 @@ from functools import cached_property
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.planning.capsules import segment_distance_squared
 from shoecal_core.planning.freedom import held_way
@@ -20,9 +20,6 @@ from shoecal_core.robot.robot import Foot, Robot
 from shoecal_core.robot.symbolic import SymbolicKinematics
 from shoecal_core.settings import SettingError
 from shoecal_core.shoe.shoe import FEET
-
-FloatArray = NDArray[np.float64]
-
 
 BALANCE_NAMES = (
     "load on left", "load on right", "grip of left", "grip of right",
@@ -141,7 +138,7 @@ class LegExpressions:
 
 
 def least_balance(
-    robot: Robot, settings: PlannerSettings, loaded: NDArray[np.bool_], spread: SharingSpread
+    robot: Robot, settings: PlannerSettings, loaded: BoolArray, spread: SharingSpread
 ) -> FloatArray:
     """(n, 13) least of what LegExpressions.balance lists, however the feet share the load.
 

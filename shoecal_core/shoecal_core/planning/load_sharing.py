@@ -26,13 +26,11 @@ from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError
 from shoecal_core.robot.robot import GRAVITY, Robot
 from shoecal_core.robot.symbolic import SymbolicKinematics, joint_axis
-
-FloatArray = NDArray[np.float64]
 
 FRICTION_USED = 0.9
 """Of the friction that soles and floor have at least: motors that follow late take the rest."""

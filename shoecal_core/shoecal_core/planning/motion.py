@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.horizon.rolling import Path
 from shoecal_core.planning.legs import FootPose, Legs
 from shoecal_core.planning.segment import MotionSegment
@@ -19,8 +19,6 @@ from shoecal_core.planning.supports.observability import PLACES, Visit
 from shoecal_core.planning.timing import GRID, Profile, Rates, fastest
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import GRAVITY
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import NameNotFoundError
 from shoecal_core.planning.landmarks import Contour
 from shoecal_core.planning.legs import FootPose
@@ -25,8 +25,6 @@ from shoecal_core.planning.swing import (
     vertical_states,
 )
 from shoecal_core.robot.robot import Robot
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

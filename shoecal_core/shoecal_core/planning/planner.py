@@ -8,8 +8,8 @@ from functools import cached_property
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError
 from shoecal_core.planning.checking.body_track import track
 from shoecal_core.planning.checking.check import check_motion
@@ -30,8 +30,6 @@ from shoecal_core.planning.support_phase import SupportPhase
 from shoecal_core.planning.swing import lifted, stance_foot
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
-
-FloatArray = NDArray[np.float64]
 
 _PACES = (1.0, 0.85, 0.7)
 """Factors on all speeds that are tried in turn."""

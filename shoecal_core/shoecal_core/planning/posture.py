@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.planning.legs import (
     BALANCE_EDGES,
@@ -26,8 +26,6 @@ from shoecal_core.planning.support_phase import SupportPhase
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.standing import feet_gap
-
-FloatArray = NDArray[np.float64]
 
 _OPTIONS: dict[str, bool | int | float | str] = {
     "print_time": False,

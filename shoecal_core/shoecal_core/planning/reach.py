@@ -7,13 +7,11 @@ from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.freedom import missing_ankle
 from shoecal_core.planning.legs import BALANCE_NAMES
 from shoecal_core.robot.robot import Robot
-
-FloatArray = NDArray[np.float64]
 
 _MOST = 4.0
 """Of the measure of `Loose`; what is ruled out then is by no bound."""

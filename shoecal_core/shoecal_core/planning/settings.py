@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.settings import SettingError, Settings, setting
 
 SOLVERS = ("sqp", "ipopt")
@@ -185,12 +185,12 @@ class PlannerSettings(Settings):
             )
 
     @property
-    def cop_weights(self) -> NDArray[np.float64]:
+    def cop_weights(self) -> FloatArray:
         """(5,) where nothing but the CoP is pursued (the paper's Q_c); see Aim."""
         return np.array([self.cop_weight_x, self.cop_weight_y, 0.0, 0.0, 0.0])
 
     @property
-    def task_weights(self) -> NDArray[np.float64]:
+    def task_weights(self) -> FloatArray:
         """(5,) of CoP, lean and height where all are pursued; see Aim."""
         weights = self.cop_weights
         weights[2:] = LEAN_WEIGHT, LEAN_WEIGHT, HEIGHT_WEIGHT

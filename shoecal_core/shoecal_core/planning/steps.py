@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.checking.findings import CheckFailedError
 from shoecal_core.planning.horizon.rolling import PlanningError, Progress
 from shoecal_core.planning.legs import FootPose
@@ -23,8 +23,6 @@ from shoecal_core.planning.support_phase import SupportPhase
 from shoecal_core.planning.swing import NoSwingPathError, swing_path, swing_segment
 from shoecal_core.planning.timing import TimingError
 from shoecal_core.robot.double_support import DoubleSupport
-
-FloatArray = NDArray[np.float64]
 
 NAME = "step"
 """Of the motion."""

@@ -4,16 +4,12 @@ from __future__ import annotations
 
 from enum import StrEnum
 
-import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from shoecal_core.planning.landmarks import sensing_hull
 from shoecal_core.planning.legs import FootPose
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.robot.robot import Robot
-
-FloatArray = NDArray[np.float64]
 
 
 class SupportPhase(StrEnum):

@@ -6,17 +6,15 @@ import math
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation, Slerp
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.planning.legs import FootPose
 from shoecal_core.planning.segment import MotionSegment
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.support_phase import SupportPhase
 from shoecal_core.robot.robot import Robot
-
-FloatArray = NDArray[np.float64]
 
 _ASIDE = np.linspace(0.0, 0.12, 25)
 """m; how far to the side a foot may be led round the other one."""

@@ -13,13 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.optimize import linprog
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
-
-FloatArray = NDArray[np.float64]
 
 GRID = 5
 """Points of the profile a state."""

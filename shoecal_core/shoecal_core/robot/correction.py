@@ -8,12 +8,10 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.robot import Robot, first_link
 from shoecal_core.robot.urdf import move_zero, written
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

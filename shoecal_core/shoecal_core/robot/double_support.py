@@ -7,8 +7,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import Fields
 
@@ -48,21 +48,21 @@ class DoubleSupport:
         )
 
     @property
-    def rotation(self) -> NDArray[np.float64]:
+    def rotation(self) -> FloatArray:
         """(2, 2) turns vectors of the right sole's frame into the left's."""
         c, s = math.cos(self.dtheta), math.sin(self.dtheta)
         return np.array([[c, -s], [s, c]])
 
     @property
-    def translation(self) -> NDArray[np.float64]:
+    def translation(self) -> FloatArray:
         """(2,) origin of the right sole in the left sole's frame [m]."""
         return np.array([self.dx, self.dy])
 
-    def right_to_left(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    def right_to_left(self, points: FloatArray) -> FloatArray:
         """Points (..., 2) of the right sole's frame in the left sole's frame [m]."""
         return points @ self.rotation.T + self.translation
 
-    def left_to_right(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    def left_to_right(self, points: FloatArray) -> FloatArray:
         """Points (..., 2) of the left sole's frame in the right sole's frame [m]."""
         return (points - self.translation) @ self.rotation
 

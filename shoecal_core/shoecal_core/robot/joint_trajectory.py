@@ -7,15 +7,14 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import NameNotFoundError, ShapeError, ShoecalError
 from shoecal_core.robot.robot import Robot
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicHermiteSpline
 
-FloatArray = NDArray[np.float64]
 
 _SLACK = 1e-6
 """rad; joint limits may be missed by rounding, and two angles of one motor may differ by it."""

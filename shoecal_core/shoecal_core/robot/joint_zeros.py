@@ -12,14 +12,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.kinematics import BodyStates, Kinematics
 from shoecal_core.robot.robot import Robot
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 CLOSED_M, CLOSED_RAD = 0.01, float(np.radians(2.0))
 """Soles of a robot whose zeros are right are level to within this: play and sag of its joints."""

@@ -6,14 +6,12 @@ from dataclasses import dataclass, fields
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.errors import ShapeError
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.symbolic import SymbolicKinematics, evaluate
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -34,7 +32,7 @@ class BodyStates:
     left_rotation: FloatArray
     left_translation: FloatArray
 
-    def part(self, part: NDArray[np.bool_]) -> BodyStates:
+    def part(self, part: BoolArray) -> BodyStates:
         """The samples marked in `part` (T,)."""
         return BodyStates(**{one.name: getattr(self, one.name)[part] for one in fields(self)})
 

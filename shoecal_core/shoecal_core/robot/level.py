@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.robot.kinematics import BodyStates
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 LEVEL_M, LEVEL_RAD = 0.01, 0.05
 """Soles that stand on one floor differ by less, as joints with play, sag and zeros a little off

@@ -15,8 +15,8 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 from mujoco import mjtBias, mjtGain, mjtJoint, mjtObj, mjtSensor, mjtTrn
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import FileError
 from shoecal_core.files import read_bytes
 from shoecal_core.robot.correction import ModelCorrection
@@ -24,7 +24,6 @@ from shoecal_core.robot.robot import Robot, first_link
 from shoecal_core.robot.urdf import written
 from shoecal_core.shoe.shoe import FEET
 
-FloatArray = NDArray[np.float64]
 LFS_POINTER = b"version https://git-lfs"
 """Begins a file that stands for one in another store."""
 TURNED = 1e-3

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.errors import NameNotFoundError, ShapeError, ShoecalError
 
 GRAVITY = 9.80665
@@ -50,11 +50,11 @@ class Foot:
     frame: int
     joint: int
     placement: pin.SE3
-    outline: NDArray[np.float64]
-    sensing_polygon: NDArray[np.float64]
+    outline: FloatArray
+    sensing_polygon: FloatArray
 
     @property
-    def box(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def box(self) -> tuple[FloatArray, FloatArray]:
         """(2,) lower and upper corner of the box around the outline, sole frame [m]."""
         return self.outline.min(axis=0), self.outline.max(axis=0)
 
@@ -96,8 +96,8 @@ class Capsule:
 
     name: str
     joint: int
-    start: NDArray[np.float64]
-    end: NDArray[np.float64]
+    start: FloatArray
+    end: FloatArray
     radius: float
 
 
@@ -123,10 +123,10 @@ class SupportRange:
         neutral: (3,) the double support of normal standing.
     """
 
-    lower: NDArray[np.float64]
-    upper: NDArray[np.float64]
-    step: NDArray[np.float64]
-    neutral: NDArray[np.float64]
+    lower: FloatArray
+    upper: FloatArray
+    step: FloatArray
+    neutral: FloatArray
 
 
 @dataclass(frozen=True)
@@ -163,9 +163,9 @@ class Robot:
     mass: float
     mass_std: float
     feet: tuple[Foot, Foot]
-    legs: NDArray[np.int64]
+    legs: IntArray
     shared: tuple[SharedMotor, ...]
-    posture: NDArray[np.float64]
+    posture: FloatArray
     optional: frozenset[str]
     capsules: tuple[Capsule, ...]
     collision_pairs: tuple[tuple[int, int], ...]
@@ -190,7 +190,7 @@ class Robot:
         return tuple(self.joint_names[index] for index in self.legs)
 
     @cached_property
-    def moved(self) -> NDArray[np.int64]:
+    def moved(self) -> IntArray:
         """(k,) indices of the joints that the planner moves, those on shared motors included."""
         return np.array([*self.legs, *(shared.joint for shared in self.shared)], dtype=np.int64)
 
@@ -202,22 +202,22 @@ class Robot:
         return tuple(sorted(int(joint) - 2 for joint in left ^ right if joint > 1))
 
     @property
-    def lower(self) -> NDArray[np.float64]:
+    def lower(self) -> FloatArray:
         """(m,) lower joint limits [rad]."""
         return np.asarray(self.model.lowerPositionLimit)[7:]
 
     @property
-    def upper(self) -> NDArray[np.float64]:
+    def upper(self) -> FloatArray:
         """(m,) upper joint limits [rad]."""
         return np.asarray(self.model.upperPositionLimit)[7:]
 
     @property
-    def velocity_limit(self) -> NDArray[np.float64]:
+    def velocity_limit(self) -> FloatArray:
         """(m,) joint velocity limits [rad/s]."""
         return np.asarray(self.model.velocityLimit)[6:]
 
     @property
-    def effort_limit(self) -> NDArray[np.float64]:
+    def effort_limit(self) -> FloatArray:
         """(m,) joint torque limits [N m]."""
         return np.asarray(self.model.effortLimit)[6:]
 
@@ -228,9 +228,7 @@ class Robot:
         except ValueError:
             raise NameNotFoundError("joint", name, self.joint_names) from None
 
-    def from_legs(
-        self, leg_angles: NDArray[np.float64], others: NDArray[np.float64] | None = None
-    ) -> NDArray[np.float64]:
+    def from_legs(self, leg_angles: FloatArray, others: FloatArray | None = None) -> FloatArray:
         """All joint angles (..., m) from the planned ones (..., k).
 
         Args:
@@ -246,9 +244,7 @@ class Robot:
             angles[..., shared.joint] = shared.ratio * angles[..., shared.leader]
         return angles
 
-    def from_measured(
-        self, names: Sequence[str], positions: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def from_measured(self, names: Sequence[str], positions: FloatArray) -> FloatArray:
         """All joint angles (..., m) from measured ones (..., len(names)), whatever their order.
 
         Joints that share a motor may be given once or twice; optional joints may be absent

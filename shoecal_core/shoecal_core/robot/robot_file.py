@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import shapely
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.errors import FieldError, FileMissingError
 from shoecal_core.file_kinds import kind_of, meant, wanted
 from shoecal_core.files import Fields, read_yaml, sha256
@@ -197,7 +197,7 @@ def _foot(fields: Fields, name: str, model: pin.Model, shoe_height: float) -> Fo
     return Foot(frame, joint, placement, outline, sensing)
 
 
-def _convex(fields: Fields, key: str) -> NDArray[np.float64]:
+def _convex(fields: Fields, key: str) -> FloatArray:
     """A convex polygon, returned counter-clockwise."""
     points = fields.array(key, (None, 2))
     if len(points) < 3:
@@ -228,7 +228,7 @@ def _legs(
     names: list[str],
     shared: tuple[SharedMotor, ...],
     feet: tuple[Foot, Foot],
-) -> NDArray[np.int64]:
+) -> IntArray:
     legs = _known_joints(fields, "legs", names)
     if len(legs) < 6:
         raise fields.error("legs", f"{len(legs)} joints cannot keep two feet in place")
@@ -272,7 +272,7 @@ def _deflection(fields: Fields) -> JointDeflection:
 
 def _posture(
     fields: Fields, model: pin.Model, names: list[str], shared: tuple[SharedMotor, ...]
-) -> NDArray[np.float64]:
+) -> FloatArray:
     block = fields.mapping("posture_rad")
     posture = np.zeros(len(names))
     for name in block.keys():

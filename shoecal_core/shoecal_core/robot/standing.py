@@ -5,14 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 import shapely
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.files import Fields
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import FEET
-
-FloatArray = NDArray[np.float64]
 
 MAX_LEAN = np.radians(60.0)
 """A CoM farther off a sole's z axis than this is not above that sole: the axis points elsewhere."""

@@ -16,8 +16,8 @@ from xml.parsers import expat
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import FileError, FileSyntaxError
 from shoecal_core.file_kinds import XACRO, is_mjcf, is_xacro
 from shoecal_core.files import file_kind, read_bytes
@@ -188,7 +188,7 @@ def move_zero(joint: ElementTree.Element, angle: float) -> None:
         origin.set("rpy", written(pin.rpy.matrixToRpy(rotation)))
 
 
-def written(values: NDArray[np.float64]) -> str:
+def written(values: FloatArray) -> str:
     """Numbers (n,) as URDF attributes hold them."""
     return " ".join(f"{one:.12g}" for one in values)
 
@@ -446,7 +446,7 @@ def _is_vector(text: str) -> bool:
     return len(numbers) == 3 and all(map(math.isfinite, numbers))
 
 
-def _vector(text: str) -> NDArray[np.float64]:
+def _vector(text: str) -> FloatArray:
     """(3,) numbers; NaN where the text has none, which the parser refuses."""
     return np.array([_number(part) for part in text.split()])
 

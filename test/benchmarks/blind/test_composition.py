@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from numpy.typing import NDArray
 
 from blind.answers import Answer
 from blind.catalogue import EFFECTS, exactly, item
@@ -19,6 +18,7 @@ from blind.noise import STEEPEST
 from blind.unknown_laws import FUNCTIONS
 from blind.unknowns import KINDS
 from blind.world import AS_BUILT, write_reality
+from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.standard import STANDARD
 from shoecal_core.simulation.effects.registry import EFFECTS as SIMULATED
 from shoecal_core.simulation.reality_file import load_reality
@@ -96,7 +96,7 @@ def test_as_built_errors_are_scaled_all_alike(base: str, tmp_path: Path) -> None
     assert one["joints"]["play_rad"] == {"all": 0.0045}
 
 
-def _numbers(value: float | dict[str, float | list[float]]) -> NDArray[np.float64]:
+def _numbers(value: float | dict[str, float | list[float]]) -> FloatArray:
     rows = list(value.values()) if isinstance(value, dict) else [value]
     return np.hstack([np.asarray(row, dtype=np.float64) for row in rows])
 

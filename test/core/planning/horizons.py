@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.planning.bodies import Body
 from core.planning.motions import SETTINGS, SUPPORTS, motion_of
+from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.horizon.problem import Aim, HorizonProblem, Scene
 from shoecal_core.planning.landmarks import Contour, sensing_hull
 from shoecal_core.planning.legs import FootPose
-
-FloatArray = NDArray[np.float64]
 
 
 def problems(body: Body) -> list[tuple[HorizonProblem, FloatArray]]:

@@ -5,16 +5,16 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.capsules import (
     SOFTNESS,
     segment_distance,
     segment_distance_squared,
 )
 
-Points = NDArray[np.float64]
+Points = FloatArray
 
 coordinate = st.floats(-1.0, 1.0).map(lambda value: round(value, 3))
 point = st.tuples(coordinate, coordinate, coordinate).map(np.array)

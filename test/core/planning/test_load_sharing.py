@@ -5,18 +5,16 @@ import dataclasses
 import casadi as ca
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.planning.bodies import NAMES, load_body
 from core.planning.motions import motion_of
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError
 from shoecal_core.planning.checking.body_track import track
 from shoecal_core.planning.legs import LegExpressions
 from shoecal_core.planning.load_sharing import SharingSpread
 from shoecal_core.planning.support_phase import SupportPhase
 from shoecal_core.robot.robot import JointDeflection, Robot
-
-FloatArray = NDArray[np.float64]
 
 
 class Written:

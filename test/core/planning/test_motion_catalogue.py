@@ -9,10 +9,10 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import shapely
-from numpy.typing import NDArray
 
 from core.planning.bodies import NAMES, load_body
 from core.planning.motions import SETTINGS, SUPPORTS, motion_of, planner_of
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import NameNotFoundError
 from shoecal_core.planning.checking.body_track import BodyTrack, track
 from shoecal_core.planning.motion import Motion, Phase
@@ -20,8 +20,6 @@ from shoecal_core.planning.motion_catalogue import MOTION_KINDS, motion_kind
 from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.posture import UnreachableError
 from shoecal_core.planning.support_phase import SupportPhase
-
-FloatArray = NDArray[np.float64]
 
 CASES = [(name, motion) for name in NAMES for motion in MOTION_KINDS]
 UNLOADING = {"unload_left": SupportPhase.RIGHT, "unload_right": SupportPhase.LEFT}

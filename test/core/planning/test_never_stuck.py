@@ -11,10 +11,10 @@ import pytest
 import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from core.planning.bodies import load_body
 from core.planning.motions import SETTINGS, planner_of
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.planning.checking.body_track import track
 from shoecal_core.planning.checking.check import MARGIN_KEPT, check_motion
@@ -32,7 +32,6 @@ from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
 from shoecal_core.settings import SettingError
 
-FloatArray = NDArray[np.float64]
 NAMES = ("nao", "wren")
 
 

@@ -6,10 +6,10 @@ from functools import cache
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from core.planning.motions import SETTINGS, planner_of
+from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.checking.body_track import track
 from shoecal_core.planning.checking.check import check_motion
 from shoecal_core.planning.legs import FootPose
@@ -22,8 +22,6 @@ from shoecal_core.planning.support_phase import SupportPhase
 from shoecal_core.planning.swing import stance_foot, swing_height
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.settings import SettingError
-
-FloatArray = NDArray[np.float64]
 
 HERE, THERE = DoubleSupport(0.0, -0.115, 0.0), DoubleSupport(0.04, -0.125, -0.2)
 

@@ -4,18 +4,16 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from core.planning.bodies import load_body
 from core.planning.motions import SETTINGS, SUPPORTS
 from core.planning.test_support_phase import supports
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.planning.legs import FootPose
 from shoecal_core.planning.segment import MotionSegment, cop_segment, in_left, in_standing
 from shoecal_core.planning.support_phase import SupportPhase
 from shoecal_core.robot.double_support import DoubleSupport
-
-FloatArray = NDArray[np.float64]
 
 POSE = FootPose.of(SUPPORTS[0])
 ROBOT = load_body("nao").robot

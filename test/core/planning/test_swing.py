@@ -9,12 +9,12 @@ import pytest
 import shapely
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from core.planning.bodies import NAMES, load_body
 from core.planning.motions import SETTINGS
 from core.planning.test_support_phase import supports
+from shoecal_core.arrays import FloatArray
 from shoecal_core.planning import swing
 from shoecal_core.planning.legs import FootPose
 from shoecal_core.planning.support_phase import SupportPhase
@@ -28,8 +28,6 @@ from shoecal_core.planning.swing import (
 )
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
-
-FloatArray = NDArray[np.float64]
 
 ONE = st.sampled_from([SupportPhase.LEFT, SupportPhase.RIGHT])
 apart = st.builds(

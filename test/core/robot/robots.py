@@ -5,10 +5,10 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.shoe import shoes
 from core.shoe.shoes import ROOT
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot
@@ -34,7 +34,7 @@ def kinematics(name: str, *, shod: bool = True) -> Kinematics:
     return Kinematics(load(name, shod=shod))
 
 
-def random_angles(robot: Robot, count: int, seed: int = 0) -> NDArray[np.float64]:
+def random_angles(robot: Robot, count: int, seed: int = 0) -> FloatArray:
     """(count, m) joint angles within the limits; shared motors turn together."""
     draw = np.random.default_rng(seed).uniform(
         robot.lower, robot.upper, (count, len(robot.joint_names))

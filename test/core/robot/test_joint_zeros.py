@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.joint_zeros import OpenLoop, open_loop
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.workspace import config_dir
 
-FloatArray = NDArray[np.float64]
 NAMES = ("LHipRoll", "LHipPitch", "LKneePitch", "LAnklePitch", "LAnkleRoll")
 
 

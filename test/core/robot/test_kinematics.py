@@ -5,17 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 import pytest
-from numpy.typing import NDArray
 
 from core.robot import robots
 from core.shoe import shoes
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.kinematics import BodyStates, Kinematics
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import Shoe
 
-FloatArray = NDArray[np.float64]
 SAMPLES = 25
 EXACT = 1e-12
 

@@ -6,13 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.capsules import segment_distance
 from shoecal_core.planning.load_sharing import SharingSpread
 from shoecal_core.robot.robot import GRAVITY, Robot
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.planning.checking.body_track import BodyTrack, track
 from shoecal_core.planning.checking.findings import (
     ConstraintMargin,
@@ -27,8 +27,6 @@ from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.support_phase import SupportPhase
 from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.shoe.shoe import FEET
-
-FloatArray = NDArray[np.float64]
 
 _WINDOW = 0.1
 """s; accelerations are differences over this time, as the CoP feels them through a shoe."""
@@ -246,7 +244,7 @@ def _swing_foot(
 
 
 def _air(
-    legs: Legs, span: _Span, body: BodyTrack, samples: NDArray[np.int64]
+    legs: Legs, span: _Span, body: BodyTrack, samples: IntArray
 ) -> tuple[FloatArray, FloatArray]:
     """Corners (t, c, 3) of the lifted foot over the other's floor, gaps (t,) to its side [m]."""
     left, right = (

@@ -6,11 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
 
-FloatArray = NDArray[np.float64]
 STILL = 1e-9
 """What is below it does not move, in any unit here."""
 

@@ -10,10 +10,9 @@ exchanges are bounded, and another method steps in.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg.lapack import dpotrf, dpotrs
 
-FloatArray = NDArray[np.float64]
+from shoecal_core.arrays import FloatArray
 
 _EXCHANGES = 6
 

@@ -26,8 +26,8 @@ from __future__ import annotations
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.horizon.problem import (
     HorizonProblem,
     HorizonSolution,
@@ -40,7 +40,6 @@ from shoecal_core.planning.load_sharing import SharingSpread
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.robot.symbolic import evaluate
 
-FloatArray = NDArray[np.float64]
 RECOVERY = 0.25
 """Part of a step's way used to come back inside a constraint."""
 

@@ -8,13 +8,12 @@ from typing import TypeVar
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.horizon.collocation import Collocation
 from shoecal_core.planning.horizon.problem import TASKS, HorizonProblem, HorizonSolution
 from shoecal_core.planning.settings import PlannerSettings
 
-FloatArray = NDArray[np.float64]
 Expression = TypeVar("Expression", ca.SX, ca.MX)
 
 _OPTIONS: dict[str, bool | int | float | str] = {

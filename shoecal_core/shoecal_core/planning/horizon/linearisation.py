@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.horizon.collocation import Collocation
 from shoecal_core.planning.horizon.problem import (
     FOOT_ROWS,
@@ -19,8 +19,6 @@ from shoecal_core.planning.horizon.problem import (
 )
 from shoecal_core.planning.legs import BALANCE
 from shoecal_core.robot.symbolic import evaluate
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -9,13 +9,11 @@ from typing import Protocol
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.planning.legs import BALANCE, FootPose
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.settings import SettingError
-
-FloatArray = NDArray[np.float64]
 
 TASKS = 5
 """What is pursued: CoP forward and sideways, lean forward and sideways, height."""
@@ -41,7 +39,7 @@ class Scene:
     shares: FloatArray
     normals: FloatArray
     offsets: FloatArray
-    loaded: NDArray[np.bool_]
+    loaded: BoolArray
     others: FloatArray
 
     @classmethod

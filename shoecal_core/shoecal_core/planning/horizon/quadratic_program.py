@@ -11,13 +11,11 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.horizon.active_set import active_set_solution
 from shoecal_core.planning.horizon.linearisation import Inequalities, Linearised
 from shoecal_core.planning.horizon.problem import FOOT_ROWS, HorizonProblem
-
-FloatArray = NDArray[np.float64]
 
 _FEASIBLE = 1e-9
 """Largest violation of a row by a program's solution."""

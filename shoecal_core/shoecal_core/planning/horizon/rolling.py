@@ -7,15 +7,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.planning.horizon.collocation import Collocation
 from shoecal_core.planning.horizon.problem import HorizonProblem, HorizonSolution, Scene, Solver
 from shoecal_core.planning.segment import MotionSegment
 from shoecal_core.planning.settings import PlannerSettings
-
-FloatArray = NDArray[np.float64]
 
 _SHRUNK = (1.0, 0.5, 0.2)
 """Parts of the way to a target that are tried in turn."""
@@ -65,7 +63,7 @@ class Path:
     states: FloatArray
     targets: FloatArray
     nearest: FloatArray
-    switches: NDArray[np.int64]
+    switches: IntArray
     statuses: tuple[str, ...]
     solve_times: FloatArray
 

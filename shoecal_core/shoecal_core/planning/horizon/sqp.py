@@ -11,8 +11,8 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.horizon.collocation import Collocation
 from shoecal_core.planning.horizon.linearisation import (
     Curvature,
@@ -23,8 +23,6 @@ from shoecal_core.planning.horizon.linearisation import (
 from shoecal_core.planning.horizon.problem import TASKS, HorizonProblem, HorizonSolution
 from shoecal_core.planning.horizon.quadratic_program import NewtonStep, QuadraticProgram
 from shoecal_core.planning.legs import BALANCE
-
-FloatArray = NDArray[np.float64]
 
 _ITERATIONS = 30
 """More are not worth it: interior points are surer then."""

@@ -6,8 +6,8 @@ import itertools
 from collections.abc import Callable, Collection, Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.feasible import Feasible, SupportRangeError, feet_distance
@@ -15,8 +15,6 @@ from shoecal_core.planning.supports.observability import Visit, best_rank, infor
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import Shoe
-
-FloatArray = NDArray[np.float64]
 
 SearchProgress = Callable[[int, int], None]
 """Takes how many double supports have been tried, and how many will be at most."""

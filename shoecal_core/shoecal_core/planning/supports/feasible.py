@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.planning.landmarks import Contour
 from shoecal_core.planning.legs import FootPose, Legs
@@ -18,8 +18,6 @@ from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.standing import feet_gap
-
-FloatArray = NDArray[np.float64]
 
 _MOVED_IN = 0.5
 """Of the way to the middle between the feet; a landmark moved in by more is out of reach."""

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.feasible import Feasible
 from shoecal_core.planning.supports.observability import (
@@ -23,7 +23,6 @@ from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.directions import describe_direction
 from shoecal_core.shoe.shoe import Shoe
 
-FloatArray = NDArray[np.float64]
 CANDIDATES = 200
 """Double supports looked at for the best to add: with more the best hardly gets better."""
 

@@ -21,6 +21,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError
 from shoecal_core.planning.landmarks import Contour
 from shoecal_core.planning.settings import PlannerSettings
@@ -36,8 +37,6 @@ from shoecal_core.shoe.wrench import (
     columns_in_left,
     cop_jacobian,
 )
-
-FloatArray = NDArray[np.float64]
 
 _REFERENCE = ((0.0, -0.02, 0.4), (0.05, -0.03, -0.4), (-0.03, -0.02, 0.0), (0.02, -0.04, 0.2))
 """m, m, rad from the neutral stance: far apart, whatever the robot's range."""

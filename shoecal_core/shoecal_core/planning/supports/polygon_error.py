@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.landmarks import sensing_hull
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
@@ -16,7 +16,6 @@ from shoecal_core.shoe.load_cases import double_support_outputs, single_support_
 from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 
-FloatArray = NDArray[np.float64]
 SPACING = 0.01
 """m between neighbouring places."""
 

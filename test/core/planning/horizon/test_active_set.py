@@ -5,11 +5,10 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.horizon.active_set import active_set_solution
 
-FloatArray = NDArray[np.float64]
 SIZE, ROWS = 8, 20
 Drawn = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
 

@@ -7,10 +7,10 @@ import numpy as np
 import pinocchio as pin
 import pytest
 import shapely
-from numpy.typing import NDArray
 from scipy.optimize import NonlinearConstraint, minimize
 
 from core.planning.bodies import Body
+from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.checking.body_track import track
 from shoecal_core.planning.horizon.collocation import RECOVERY, Collocation
 from shoecal_core.planning.horizon.ipopt import IpoptSolver
@@ -42,7 +42,7 @@ def problem_of(body: Body, settings: PlannerSettings = SETTINGS) -> HorizonProbl
     return HorizonProblem(start, np.zeros_like(start), Aim.at(target, SETTINGS), scene_of(body))
 
 
-def random_legs(body: Body, count: int, seed: int = 0) -> NDArray[np.float64]:
+def random_legs(body: Body, count: int, seed: int = 0) -> FloatArray:
     generator = np.random.default_rng(seed)
     return body.legs.nominal + generator.uniform(-0.2, 0.2, (count, len(body.legs.nominal)))
 
@@ -187,10 +187,10 @@ def test_ipopt_agrees_with_a_second_method(nao: Body) -> None:
     guess = np.tile(problem.start, (2, 1))
     found = IpoptSolver(collocation).solve(problem, guess)
 
-    def feet(flat: NDArray[np.float64]) -> NDArray[np.float64]:
+    def feet(flat: FloatArray) -> FloatArray:
         return collocation.evaluate(flat.reshape(shape), scene).foot_error.ravel()
 
-    def room(flat: NDArray[np.float64]) -> NDArray[np.float64]:
+    def room(flat: FloatArray) -> FloatArray:
         states = flat.reshape(shape)
         values = collocation.evaluate(states, scene)
         moves = collocation.transitions(problem, states)

@@ -6,11 +6,11 @@ import dataclasses
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.planning.bodies import Body
 from core.planning.horizons import lifting, problems
 from core.planning.motions import SETTINGS
+from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.horizon.collocation import Collocation
 from shoecal_core.planning.horizon.linearisation import (
     Curvature,
@@ -19,7 +19,6 @@ from shoecal_core.planning.horizon.linearisation import (
     Linearised,
 )
 
-FloatArray = NDArray[np.float64]
 STEP = 1e-6
 
 

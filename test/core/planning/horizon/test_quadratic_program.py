@@ -6,19 +6,17 @@ import dataclasses
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.optimize import NonlinearConstraint, minimize
 
 from core.planning.bodies import Body
 from core.planning.horizons import problems
 from core.planning.motions import SETTINGS
+from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.horizon.collocation import Collocation
 from shoecal_core.planning.horizon.linearisation import Inequalities, Linearisation, Linearised
 from shoecal_core.planning.horizon.problem import HorizonProblem
 from shoecal_core.planning.horizon.quadratic_program import QuadraticProgram
 from shoecal_core.planning.legs import BALANCE
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclasses.dataclass(frozen=True)

@@ -4,9 +4,9 @@ import dataclasses
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from core.planning.bodies import Body
+from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.horizon.collocation import Collocation
 from shoecal_core.planning.horizon.ipopt import IpoptSolver
 from shoecal_core.planning.horizon.problem import HorizonProblem, HorizonSolution, Scene
@@ -27,7 +27,6 @@ from shoecal_core.planning.support_phase import SupportPhase
 from shoecal_core.planning.swing import interpolated_poses, lifted
 from shoecal_core.robot.double_support import DoubleSupport
 
-FloatArray = NDArray[np.float64]
 SETTINGS = PlannerSettings(
     landmark_radius=0.004, progress_min=0.0002, progress_patience=3, horizon=6
 )

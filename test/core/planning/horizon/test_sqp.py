@@ -6,20 +6,18 @@ import dataclasses
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
 from core.planning.bodies import Body, load_body
 from core.planning.horizons import lifting, problems
 from core.planning.motions import SETTINGS, SUPPORTS, motion_of, planner_of
+from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.horizon import sqp
 from shoecal_core.planning.horizon.collocation import Collocation
 from shoecal_core.planning.horizon.ipopt import IpoptSolver
 from shoecal_core.planning.horizon.linearisation import Inequalities, Linearisation
 from shoecal_core.planning.horizon.problem import HorizonProblem
 from shoecal_core.planning.horizon.sqp import SqpSolver
-
-FloatArray = NDArray[np.float64]
 
 
 @pytest.fixture(scope="module")

@@ -4,9 +4,9 @@ import dataclasses
 import json
 
 import numpy as np
-from numpy.typing import NDArray
 
 from core.planning.bodies import Body
+from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.feasible import Feasible
 from shoecal_core.planning.supports.identifiability import (
@@ -31,7 +31,7 @@ def visits(body: Body, supports: tuple[DoubleSupport, ...]) -> list[Visit]:
     return [Visit.expected(body.robot, support, SETTINGS) for support in supports]
 
 
-def known(body: Body, supports: tuple[DoubleSupport, ...]) -> NDArray[np.float64]:
+def known(body: Body, supports: tuple[DoubleSupport, ...]) -> FloatArray:
     return total_information(body.robot, body.shoe, visits(body, supports))
 
 

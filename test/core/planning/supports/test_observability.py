@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from core.planning.bodies import Body
+from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.residuals import ResidualWeights, pack, rows_of
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports import observability
@@ -41,7 +41,7 @@ YAWED = (DoubleSupport(0.0, -0.12, 0.3), DoubleSupport(0.05, -0.15, -0.3), TURNE
 STRAIGHT = tuple(DoubleSupport(x, y, 0.0) for x, y in ((0, -0.12), (0.05, -0.15), (-0.03, -0.1)))
 
 
-def measured(shoe: Shoe, outputs: NDArray[np.float64]) -> NDArray[np.float64]:
+def measured(shoe: Shoe, outputs: FloatArray) -> FloatArray:
     """(p, 3) GRF and CoP of both feet in the left sole's frame."""
     count = len(shoe.channels)
     parameters = ChannelParameters(np.ones(count), np.zeros(count))
@@ -58,7 +58,7 @@ def test_jacobian_against_finite_differences(body: Body) -> None:
     np.testing.assert_allclose(measured(shoe, outputs)[:, 1:], places, atol=1e-12)
     jacobian = residual_jacobian(shoe, TURNED, weight, places)
 
-    def shifted(change: NDArray[np.float64]) -> NDArray[np.float64]:
+    def shifted(change: FloatArray) -> FloatArray:
         return measured(shoe, outputs * (1.0 + change[:count]) + change[count:])
 
     for index, unit in enumerate(np.eye(2 * count)):
@@ -159,7 +159,7 @@ def test_columns_of_the_left_foot_stay(body: Body) -> None:
 
 def total(
     body: Body, supports: tuple[DoubleSupport, ...], settings: PlannerSettings = SETTINGS
-) -> NDArray[np.float64]:
+) -> FloatArray:
     visits = [Visit.expected(body.robot, support, settings) for support in supports]
     parts = [information(body.robot, body.shoe, visit) for visit in visits]
     return np.asarray(np.sum(parts, axis=0))
