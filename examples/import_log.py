@@ -1,7 +1,6 @@
 """Import a log in CSV, as a data logger writes it: degrees and millivolts, one row a sample.
 
     .venv/bin/python examples/import_log.py --session out/examples/session --out out/examples
-
 Here the log is written from a recorded session; of your own you need the mapping only.
 """
 
@@ -42,8 +41,9 @@ def main() -> None:
     cells = {name: {"column": name, "scale": 0.001} for name in session.shoe.names}
     table = {"time": {"column": "t", "unit": "s"}, "joints": "all", "cells": cells}
     mapping |= {"format": 1, "angle_unit": "deg", "tables": {"log": table}, "trials": trials}
-    write_yaml(logs / "mapping.yaml", mapping)
-    imported = import_csv(logs / "mapping.yaml", logs, args.out / "imported")
+    write_yaml(file := logs / "mapping.yaml", mapping)
+    folder = args.out / "imported"  # made once
+    imported = sc.Session.open(folder) if folder.exists() else import_csv(file, logs, folder)
     calibration = sc.calibrate_session(imported).calibration
     print(f"{len(imported.runs)} runs; {calibration.verdict}: {'; '.join(calibration.reasons)}")
     sc.save_calibration(calibration, args.out / "imported.yaml")

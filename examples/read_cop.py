@@ -1,7 +1,6 @@
 """A ROS 2 node that reads the CoP of both feet, prints it and draws its path.
 
     .venv/bin/python examples/read_cop.py --out out/examples --count 500 [--ros-args ...]
-
 It ends after so many messages, or with Ctrl-C.
 """
 
@@ -14,10 +13,9 @@ from geometry_msgs.msg import PointStamped
 from matplotlib.figure import Figure
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
-from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.utilities import remove_ros_args
 
-LIVE = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)  # as it is published
+WAITING = "nothing on shoe/cop: is a calibration in force, and does the robot stand on its feet?"
 
 
 class CopReader(Node):
@@ -25,7 +23,7 @@ class CopReader(Node):
         super().__init__("cop_reader")
         self.frame = ""
         self.path: list[tuple[float, float]] = []
-        self.create_subscription(PointStamped, "shoe/cop", self._take, LIVE)
+        self.create_subscription(PointStamped, "shoe/cop", self._take, 10)
 
     def _take(self, cop: PointStamped) -> None:
         if cop.header.frame_id != self.frame:  # the other foot carries now
@@ -45,7 +43,9 @@ def main() -> None:
     node = CopReader()
     try:
         while len(node.path) < args.count:
-            rclpy.spin_once(node)
+            rclpy.spin_once(node, timeout_sec=2.0)
+            if not node.path:
+                node.get_logger().info(WAITING, throttle_duration_sec=5)
     except (KeyboardInterrupt, ExternalShutdownException):
         pass  # asked to end: draw what there is
     figure = Figure(figsize=(5, 5), layout="constrained")

@@ -39,7 +39,9 @@ class Cable(Effect):
 
 
 def simulated(folder: Path) -> sc.Session:
-    """A session of four runs of a NAO that hangs on the cable."""
+    """A session of four runs of a NAO that hangs on the cable; made once."""
+    if folder.exists():
+        return sc.Session.open(folder)
     shoe = sc.load_shoe(config_dir() / "shoes/nao_shoe.yaml")
     robot = sc.load_robot(config_dir() / "robots/nao.yaml", shoe)
     reality = replace(load_reality(config_dir() / "realities/default.yaml"), effects=(Cable(),))

@@ -31,8 +31,10 @@ def number_at(content: Any, path: str) -> float:
     """The number at a path such as `a.b[2]` of a message.
 
     Raises:
-        LookupError: there is none.
+        LookupError: there is none, or it is of the header or of an array's layout.
     """
+    if path.split(".", maxsplit=1)[0] in _SKIPPED:  # a stamp or a layout is no reading
+        raise LookupError(path)
     found = content
     for step in path.split("."):
         match = _STEP.match(step)

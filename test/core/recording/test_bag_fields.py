@@ -162,6 +162,7 @@ def test_an_array_is_taken_in_the_order_of_the_shoe_file_and_that_is_to_be_check
     [
         ({"/load_cells": {"data[9]": "left/front_left"}}, r"have no number 'data\[9\]'; there are"),
         ({"/load_cells": {"datum": "left/front_left"}}, "have no number 'datum'; there are"),
+        ({"/load_cells": {"layout.data_offset": "left/front_left"}}, "have no number 'layout"),
         ({"/load_cells": {"data[0][0]": "left/front_left"}}, r"have no number 'data\[0\]\[0\]'"),
         (
             {"/load_cells": {"data[0]": "left/front_left", "data[1]": "left/front_left"}},
