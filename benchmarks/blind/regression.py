@@ -60,7 +60,7 @@ def make_regression(folder: Path) -> Regression:
     session = Session.open(folder)
     train, test = split_runs(session, (), ())
     data = load_data(session, (*train, *test), CalibrationSettings(), all_readable=False)
-    training = [one for run in train if run in data.stances for one in data.stances[run]]
+    training = data.of([run for run in train if run in data.stances])
     guess = initial_guess(data.shoe, training, weight_row=True)
     fitted = fit_parameters(data.shoe, training, guess, CalibrationSettings())
     settings = SignalSettings()

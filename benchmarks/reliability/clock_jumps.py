@@ -49,8 +49,6 @@ LED_ON_NS = 150_000_000
 """Where one was taken for that, stamps may be corrected so far, or be led on by so much with the
 largest drift that an oscillator may have, before a jump is made out."""
 
-Ints = IntArray
-
 
 def run(first: int, count: int, seed: int, progress: Progress) -> Result:
     """One stream of frames a try."""
@@ -97,7 +95,7 @@ def _try(session: Session, kind: str, rng: np.random.Generator) -> float:
     return max(until_us, default=0) / 1e6
 
 
-def _jumps(kind: str, rng: np.random.Generator) -> tuple[Ints, Ints]:
+def _jumps(kind: str, rng: np.random.Generator) -> tuple[IntArray, IntArray]:
     """When by the device's time [us], and by how much [ns]; at least three seconds apart."""
     times = np.arange(2.5, SECONDS - 3.0, 3.0) + rng.uniform(0.0, 0.4)
     if kind == JUMPING:
@@ -110,7 +108,9 @@ def _jumps(kind: str, rng: np.random.Generator) -> tuple[Ints, Ints]:
     return np.round(times * 1e6).astype(np.int64), np.round(steps).astype(np.int64)
 
 
-def _check_stretches(device_us: Ints, stamps: Ints, resets: Ints, like_late: int) -> None:
+def _check_stretches(
+    device_us: IntArray, stamps: IntArray, resets: IntArray, like_late: int
+) -> None:
     """Between two beginnings of the mapping time is the device's, but for jumps like delays."""
     slack = SAME_NS + (LED_ON_NS if like_late else 0)
     for reset in np.unique(resets):
@@ -129,7 +129,7 @@ def _check_stretches(device_us: Ints, stamps: Ints, resets: Ints, like_late: int
                 )
 
 
-def _check_joined(device_us: Ints, stamps: Ints) -> None:
+def _check_joined(device_us: IntArray, stamps: IntArray) -> None:
     """What the calibrator makes of the frames keeps their order; what is left out is counted."""
     names = originals.shoe().names
     joiner = FrameJoiner(names, 0.03)
@@ -152,7 +152,7 @@ def _check_joined(device_us: Ints, stamps: Ints) -> None:
         raise BrokenError(f"frames of {gap_us / 1e6:.2f} s are left out")
 
 
-def _check_recorded(session: Session, stamps: Ints, received: Ints) -> None:
+def _check_recorded(session: Session, stamps: IntArray, received: IntArray) -> None:
     """A run of these frames, joint angles stamped by the host."""
     with session.new_run("landmarks", originals.SUPPORT, live=False) as writer:
         for index, (stamp, host) in enumerate(zip(stamps.tolist(), received.tolist(), strict=True)):

@@ -11,8 +11,6 @@ import numpy as np
 from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.robot.robot import JointsMissingError, Robot
 
-Bools = BoolArray
-
 JUMP_RAD = 0.1
 """Angles that are exactly zero between two that are farther off are no motion."""
 STEP_S = 0.2
@@ -38,7 +36,7 @@ class JointSeries:
     time: FloatArray
     angle: FloatArray
 
-    def only(self, kept: Bools) -> JointSeries:
+    def only(self, kept: BoolArray) -> JointSeries:
         """The samples of a mask (k,)."""
         return JointSeries(self.time[kept], self.angle[kept])
 
@@ -104,7 +102,7 @@ def without_zeros(series: Series) -> tuple[dict[str, JointSeries], list[str]]:
     return {name: one.only(~zeros[name]) for name, one in series.items()}, zero_notes(series, zeros)
 
 
-def zero_notes(series: Series, zeros: Mapping[str, Bools]) -> list[str]:
+def zero_notes(series: Series, zeros: Mapping[str, BoolArray]) -> list[str]:
     """A line for each group of joints that jump to zero.
 
     Args:
@@ -125,7 +123,7 @@ def zero_notes(series: Series, zeros: Mapping[str, Bools]) -> list[str]:
     ]
 
 
-def jumps_to_zero(series: Series) -> dict[str, Bools]:
+def jumps_to_zero(series: Series) -> dict[str, BoolArray]:
     """(k,) of each joint: angles that are exactly zero for a moment while it is elsewhere.
 
     A joint that is near zero anyhow is taken to fail with the others of its message.
@@ -145,14 +143,14 @@ def jumps_to_zero(series: Series) -> dict[str, Bools]:
     return found
 
 
-def _jumps_to_zero(series: JointSeries) -> Bools:
+def _jumps_to_zero(series: JointSeries) -> BoolArray:
     """(k,) samples that are exactly zero while the joint, just before and after, is elsewhere.
 
     Args:
         series: numbers only.
     """
     time, angle = series.time, series.angle
-    found: Bools = angle == 0.0
+    found: BoolArray = angle == 0.0
     if not found.any() or found.all():
         return np.zeros(len(angle), dtype=bool)
     edges = np.flatnonzero(np.diff(np.concatenate(([False], found, [False])).astype(np.int8)))

@@ -21,9 +21,10 @@ from shoecal_core.simulation.floor import FloorTruth, floor_truth, sideways_forc
 from shoecal_core.simulation.imu import Imu, ImuReadings, base_motion
 from shoecal_core.simulation.joint_friction import BristleFriction
 from shoecal_core.simulation.joint_sensors import Encoders, JointReadings, JointSensors
-from shoecal_core.simulation.posing import SERVO_PERIOD, Posing, SetPoints
+from shoecal_core.simulation.posing import Posing
 from shoecal_core.simulation.sampled_robot import SampledRobot
 from shoecal_core.simulation.sensor_chain import NO_SIDEWAYS, SensorChain
+from shoecal_core.simulation.set_points import SERVO_PERIOD, SetPoints
 from shoecal_core.simulation.shoe_physics import ChannelOutputs, SoleReader, floor_rotation
 from shoecal_core.simulation.snapshot import Snapshot
 from shoecal_core.simulation.stepping import advance
