@@ -107,7 +107,7 @@ def zero_notes(series: Series, zeros: Mapping[str, BoolArray]) -> list[str]:
 
     Args:
         series: by joint, numbers only.
-        zeros: as `jumps_to_zero` finds them.
+        zeros: (k,) of each joint, as `jumps_to_zero` finds them.
     """
     groups: dict[tuple[int, int, float], list[str]] = defaultdict(list)
     for name, mask in zeros.items():
