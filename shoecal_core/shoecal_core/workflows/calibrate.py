@@ -41,7 +41,7 @@ from shoecal_core.estimation.fit import SelfCalibration, prior_of, self_calibrat
 from shoecal_core.estimation.initial_guess import initial_guess
 from shoecal_core.estimation.joint import corrected, fit_with_known, joint_calibration, of_joint
 from shoecal_core.estimation.joint_fit import JointFit
-from shoecal_core.estimation.known import Since
+from shoecal_core.estimation.known import Since, require_prior_counts
 from shoecal_core.estimation.known_shoe import known_shoe
 from shoecal_core.estimation.lagging import check_lags, lags
 from shoecal_core.estimation.outcome import CalibrationOutcome
@@ -111,6 +111,9 @@ def calibrate_session(
     settings = CalibrationSettings() if settings is None else settings
     tolerances = Tolerances() if tolerances is None else tolerances
     train, test = split_runs(session, train, test)
+    if manual is not None:
+        require_prior_counts(settings)
+        _require_no_walk(session, (*train, *test))
     if data is None:
         data = load_data(session, (*train, *test), settings, weight_kg=weight_kg, sheets=sheets)
     found = [*data.screening.findings, *check_missing(session.missing)]
@@ -289,6 +292,18 @@ def _fitting(settings: CalibrationSettings, screening: Screening) -> Calibration
         return settings
     left = min(settings.time_offset_std_s, LEFT_STD_S)
     return replace(settings, time_offset_std_s=left)
+
+
+def _require_no_walk(session: Session, runs: Sequence[int]) -> None:
+    """Refuse a manual calibration with runs whose fit would ignore it."""
+    for entry in session.runs:
+        if entry.run in runs and entry.info.support is None and not entry.info.hanging:
+            raise SessionError(
+                session.folder,
+                f"run {entry.run} is of a walk, whose fit would ignore the manual calibration: "
+                "calibrate without --manual, or from runs in double support alone (--train, "
+                "--test)",
+            )
 
 
 def _require_supports(

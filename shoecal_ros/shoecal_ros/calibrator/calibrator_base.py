@@ -15,6 +15,7 @@ from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import FieldError
 from shoecal_core.estimation.calibration import Calibration, WrongShoeError, load_calibration
 from shoecal_core.estimation.drift import FALSE_ALARM
+from shoecal_core.estimation.known import require_prior_counts
 from shoecal_core.estimation.standstill import ModelTolerance
 from shoecal_core.parameter_file import load_settings
 from shoecal_core.planning.settings import PlannerSettings
@@ -220,6 +221,7 @@ class CalibratorBase(ShoecalNode):
         """The prior of the fit; FieldError where its file is none of these shoes."""
         if not self.job_settings.manual_file:
             return None
+        require_prior_counts(self.fit_settings)
         path = Path(self.job_settings.manual_file).expanduser()
         manual = load_calibration(path)
         try:

@@ -30,7 +30,7 @@ def rewritten(folder: Path, out: Path, change: Callable[[Run], Run]) -> Path:
     for entry in old.runs:
         run = change(old.read(entry.run))
         joints, readings = run.joints, run.readings
-        with new.new_run(entry.info.motion, entry.info.support) as writer:
+        with new.new_run(run.info.motion, run.info.support) as writer:
             for index, time in enumerate(joints.time):
                 stamp = run.start_ns + round(1e9 * time)
                 effort = np.full(len(joints.names), np.nan)

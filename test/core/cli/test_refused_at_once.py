@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from core.cli.conftest import ROBOT, SHOE, Run
+from core.cli.test_faulty_sessions import rewritten
+from shoecal_core.recording.run import Run as Recorded
 
 
 def refusal(shoecal: Run, *words: object) -> str:
@@ -31,6 +34,31 @@ def test_an_import_into_a_session_that_exists(
     mapping.write_text("format: 1\n")
     line = refusal(shoecal, "import", "csv", mapping, tmp_path, "--out", simulated)
     assert f"{simulated}: exists already" in line
+
+
+def test_a_manual_calibration_that_the_method_would_ignore(
+    shoecal: Run, simulated: Path, calibrated: Path, tmp_path: Path
+) -> None:
+    words = ["calibrate", simulated, "--manual", calibrated, "--out", tmp_path / "c.yaml"]
+    line = refusal(shoecal, *words, "--method", "paper")
+    assert "method: paper fits gains and offsets alone" in line
+    assert "the manual calibration would be ignored" in line
+    assert "calibrate with the method joint" in line
+
+
+def test_a_manual_calibration_with_a_walk(
+    shoecal: Run, simulated: Path, calibrated: Path, tmp_path: Path
+) -> None:
+    def walking(run: Recorded) -> Recorded:
+        if run.info.run != 2:
+            return run
+        return replace(run, info=replace(run.info, motion="walking", support=None))
+
+    session = rewritten(simulated, tmp_path / "session", walking)
+    words = ["calibrate", session, "--manual", calibrated, "--out", tmp_path / "c.yaml"]
+    line = refusal(shoecal, *words)
+    assert "run 2 is of a walk, whose fit would ignore the manual calibration" in line
+    assert "without --manual, or from runs in double support alone (--train, --test)" in line
 
 
 def test_a_plan_into_a_file(shoecal: Run, tmp_path: Path) -> None:

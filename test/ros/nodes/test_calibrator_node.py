@@ -608,6 +608,16 @@ def test_a_prior_of_other_shoes_ends_the_node_with_one_line(world: World) -> Non
     assert "name another manual_file" in line
 
 
+def test_a_prior_that_the_method_ignores_ends_the_node_with_one_line(world: World) -> None:
+    file = world.folder / "manual.yaml"
+    save_calibration(calibration(nao(), nao_shoe()), file)
+    start(world, manual_file=file, **{"calibration.method": "paper"})
+    assert world.ended("calibrator") == 1
+    (line,) = world.output("calibrator").splitlines()
+    assert "the manual calibration would be ignored" in line
+    assert "manual_file" in line
+
+
 # Drift
 
 
