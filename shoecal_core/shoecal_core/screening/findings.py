@@ -109,6 +109,17 @@ def of_wiring(shoe: Shoe, wiring: WiringFaults) -> list[Finding]:
         )
         for one, other in wiring.swapped
     ]
+    findings += [
+        Finding(
+            "FAIL",
+            f"{shoe.names[one]} and {shoe.names[twin]} contradict each other: one of the two is "
+            "inverted, which of them is not known; push the standing robot along that axis: both "
+            "must show a force against the push; exchange the signal wires of the one that does "
+            "not, or turn its 'polarity' round",
+            Fault.INVERTED,
+        )
+        for one, twin in wiring.contradicting
+    ]
     return findings + [
         Finding(
             "FAIL",

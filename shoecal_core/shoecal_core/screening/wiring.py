@@ -1,6 +1,8 @@
 """Cables: cells that are wired upside down, and cells that are connected at each other's place.
 
-Signs come from a fit that asks for none. Exchanged cells are found by trying: for every pair the
+Signs come from a fit that asks for none. The feet's sideways forces nearly cancel, and what is left
+of them is of the size of the model's errors: the fit shows that two sideways axes contradict each
+other, not which of them is inverted. Exchanged cells are found by trying: for every pair the
 equations are solved again with the two at each other's place, and the one exchange that makes the
 readings fit much better than all else is named.
 """
@@ -33,10 +35,12 @@ class WiringFaults:
     Attributes:
         inverted: channels whose sign is against the shoe file.
         swapped: pairs of channels that are connected at each other's place.
+        contradicting: left and right sideways axes of which one is inverted.
     """
 
     inverted: tuple[int, ...]
     swapped: tuple[tuple[int, int], ...]
+    contradicting: tuple[tuple[int, int], ...] = ()
 
 
 def check_wiring(
@@ -72,6 +76,7 @@ def check_wiring(
     return WiringFaults(
         inverted=tuple(np.flatnonzero(against).tolist()),
         swapped=tuple((int(k), int(places[best][k])) for k in np.flatnonzero(places[best] > right)),
+        contradicting=_contradicting(shoe, tried[best], runs, weight, least),
     )
 
 
@@ -110,7 +115,7 @@ def _inverted(
     weight: float,
     least: float,
 ) -> BoolArray:
-    """(n,) channels of the other sign in every fit.
+    """(n,) channels of the other sign in every fit; of sideways axes it is not known.
 
     One that moves the CoP of half the weight by less than the model knows it is not judged.
 
@@ -122,7 +127,40 @@ def _inverted(
     moved = np.abs(tried.fits[0].parameters.gain) * readings.std(axis=0)
     lever = np.linalg.norm(shoe.columns[place, 1:], axis=1)
     judged = shoe.vertical[place] | (2.0 * moved * lever / (0.5 * weight) > least)
-    return np.asarray(np.all(signs, axis=0) & judged)
+    return np.asarray(np.all(signs, axis=0) & judged & ~_sideways(shoe)[place])
+
+
+def _sideways(shoe: Shoe) -> BoolArray:
+    """(n,) channels of forces along the sole."""
+    return np.asarray(~shoe.vertical & ~shoe.torque)
+
+
+def _contradicting(
+    shoe: Shoe, tried: _Tried, runs: Mapping[int, Blocks], weight: float, least: float
+) -> tuple[tuple[int, int], ...]:
+    """Sideways axes of both feet: if one is right, the other has the wrong sign in every fit.
+
+    Args:
+        least: how well the CoP is known [m].
+    """
+    readings = np.concatenate([one.readings for one in runs.values()])
+    gain = shoe.polarity * np.array([abs(one.nominal_gain or 1.0) for one in shoe.channels])
+    lever = np.linalg.norm(shoe.columns[:, 1:], axis=1)
+    judged = 2.0 * np.abs(gain) * readings.std(axis=0) * lever / (0.5 * weight) > least
+    judged &= _sideways(shoe)
+    return tuple(
+        (one, twin)
+        for one, twin in of_feet(shoe)
+        if judged[one] and judged[twin] and all(_apart(one, twin, gain, fit) for fit in tried.fits)
+    )
+
+
+def _apart(one: int, twin: int, gain: FloatArray, fit: RoughFit) -> bool:
+    """Whether one's sign is surely wrong where its twin has its gain of (n,)."""
+    follows = fit.covariance[one, twin] / fit.covariance[twin, twin]
+    given = fit.vector[one] + follows * (gain[twin] - fit.vector[twin])
+    variance = fit.covariance[one, one] - follows * fit.covariance[one, twin]
+    return bool(np.sign(gain[one]) * given < -SURE_STDS * np.sqrt(max(variance, 0.0)))
 
 
 def _better(one: _Tried, other: _Tried, least: float = BETTER) -> bool:

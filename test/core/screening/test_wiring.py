@@ -15,7 +15,9 @@ from core.screening.recordings import (
     recording,
 )
 from core.shoe.shoes import made, six_axis
+from shoecal_core.arrays import FloatArray
 from shoecal_core.screening.blocks import blocks
+from shoecal_core.screening.findings import of_wiring
 from shoecal_core.screening.rough_fit import prior
 from shoecal_core.screening.wiring import WiringFaults, check_wiring, of_feet
 
@@ -84,3 +86,61 @@ def test_six_axis_feet_at_each_others_place() -> None:
     whole = recording(3, shoe=shoe)
     assert wiring(whole) == WiringFaults((), ())
     assert wiring(exchanged(whole, *pairs)) == WiringFaults((), pairs)
+
+
+SHOE = made(
+    [
+        *six_axis(0, [0.0, 0.01, 0.04], gain=25.0),
+        *six_axis(1, [0.0, -0.01, 0.04], gain=25.0),
+    ]
+)
+
+
+def pressing(seed: int, size: float = 32.0) -> Recording:
+    """Feet that press against each other along both axes of the floor [N]."""
+    whole = recording(seed, shoe=SHOE, count=5)
+
+    def pressed(run: int, values: FloatArray) -> FloatArray:
+        one = whole.aligned[run]
+        phase = 2.0 * np.pi * one.time[:, None] / np.array([7.0, 11.0]) + seed
+        force = size * np.sin(phase)
+        outputs = np.zeros_like(values)
+        for foot, side in ((0, 1.0), (1, -1.0)):
+            turn = (
+                one.states.rotation[:, :2, :2] if foot else np.tile(np.eye(2), (len(phase), 1, 1))
+            )
+            fx, fy, _, mx, my = SHOE.of_foot(foot)
+            outputs[:, [fx, fy]] = side * (force[:, None] @ turn)[:, 0]
+            # A force in the sole's plane has no moment there, whatever the sensor above it shows.
+            outputs[:, [mx, my]] = -(outputs[:, [fx, fy]] @ SHOE.columns[[fx, fy], 1:])
+        return values + outputs / whole.parameters.gain
+
+    return whole.with_readings(pressed)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("axis", ["fx", "fy"])
+@pytest.mark.parametrize("foot", ["left", "right"])
+def test_of_two_sideways_axes_that_contradict_each_other_neither_is_blamed(
+    seed: int, axis: str, foot: str
+) -> None:
+    turned = SHOE.index(f"{foot}/{axis}")
+    pair = (SHOE.index(f"left/{axis}"), SHOE.index(f"right/{axis}"))
+    found = wiring(pressing(seed).with_channel(turned, lambda _, values: -values))
+    assert found == WiringFaults((), (), (pair,))
+    (one,) = of_wiring(SHOE, found)
+    assert one.reason.startswith(
+        f"left/{axis} and right/{axis} contradict each other: one of the two is inverted"
+    )
+    assert "push the standing robot" in one.reason
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_sideways_axes_that_agree_are_not_blamed(seed: int) -> None:
+    whole = pressing(seed)
+    assert wiring(whole) == WiringFaults((), ())
+    for axis in ("fx", "fy"):
+        for foot in ("left", "right"):
+            turned = SHOE.index(f"{foot}/{axis}")
+            whole = whole.with_channel(turned, lambda _, values: -values)
+        assert wiring(whole) == WiringFaults((), ())
