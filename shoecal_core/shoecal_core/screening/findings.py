@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.samples.stretches import list_stretches
 from shoecal_core.screening.clocks import LARGEST_S
 from shoecal_core.screening.closure import Slipped
@@ -146,18 +147,36 @@ def of_saturated(shoe: Shoe, found: Sequence[Saturated]) -> list[Finding]:
     ]
 
 
-def of_ends(shoe: Shoe, shares: Sequence[float]) -> list[Finding]:
-    """Channels at the end of their converter's range: every such reading counts, in use too."""
-    return [
-        Finding(
-            "FAIL" if share > USELESS_END_SHARE else "WARN",
-            f"{name} is at the end of its range in {share:.1%} of the samples: lower its "
-            "amplification or check its wiring",
-            Fault.SATURATED,
+def of_ends(shoe: Shoe, ends: BoolArray, readings: FloatArray) -> list[Finding]:
+    """Channels at the end of their converter's range: every such reading counts, in use too.
+
+    Args:
+        ends: (T, n) which of the readings (T, n) are at an end.
+    """
+    share = ends.mean(axis=0)
+    useless = share > USELESS_END_SHARE
+    findings = []
+    for verdict, channels in (("FAIL", useless), ("WARN", (share > 0.0) & ~useless)):
+        if not channels.any():
+            continue
+        names = [shoe.names[channel] for channel in np.flatnonzero(channels)]
+        there = ends & channels
+        count = int(there.any(axis=1).sum())
+        levels = np.unique(readings[there & np.isfinite(readings)])
+        level = f", at {levels[0]:.10g} {shoe.unit}" if len(levels) == 1 else ""
+        one = len(names) == 1
+        findings.append(
+            Finding(
+                verdict,
+                f"{', '.join(names)} {'is' if one else 'are'} at the end of "
+                f"{'its' if one else 'their'} range in {count / len(ends):.1%} of the samples "
+                f"({count} of {len(ends)} messages{level}), where the converter goes no further: "
+                f"lower {'its' if one else 'their'} amplification or check "
+                f"{'its' if one else 'their'} wiring",
+                Fault.SATURATED,
+            )
         )
-        for name, share in zip(shoe.names, shares, strict=True)
-        if share > 0.0
-    ]
+    return findings
 
 
 def of_zeros(found: MovedZeros | None, weight: float) -> list[Finding]:

@@ -25,6 +25,8 @@ BEYOND_SHARE = 0.2
 """A channel at its end goes no further than this share of what it should, be the end a soft one."""
 END_SHARE = 1e-6
 """Readings this near to an end of the range, as a share of it, are at the end."""
+CEILINGS = tuple(2.0**bits - 1.0 for bits in (10, 12, 14, 15, 16, 20, 23, 24, 31, 32))
+"""Readings of converters at their upper end, in counts."""
 AT_END_STDS = 4.0
 """A reading is at its extreme when it is within this many standard deviations of it."""
 MISSING_STDS, TREMBLING_STDS = 0.5, 3.0
@@ -55,13 +57,28 @@ class Saturated:
 
 
 def at_ends(shoe: Shoe, values: FloatArray) -> BoolArray:
-    """(T, n) readings (T, n) at an end of their converter's range."""
+    """(T, n) readings (T, n) at an end of their converter's range, or at another's ceiling."""
     low, high = (
         np.array([getattr(c, end) for c in shoe.channels]) for end in ("lowest", "highest")
     )
     slack = END_SHARE * (high - low)
-    ends: BoolArray = (values <= low + slack) | (values >= high - slack)
+    ends: BoolArray = (values <= low + slack) | (values >= high - slack) | _at_ceiling(values)
     return ends
+
+
+def _at_ceiling(values: FloatArray) -> BoolArray:
+    """(T, n) readings (T, n) that are a converter's ceiling, by counts alone.
+
+    A channel that passes such a count reads others near it, too.
+    """
+    counts = np.where(np.isfinite(values), values, -np.inf)
+    there: BoolArray = np.isin(counts, CEILINGS) & (counts == counts.max(axis=0, initial=-np.inf))
+    for channel in np.flatnonzero(there.any(axis=0)):
+        mine = there[:, channel]
+        rest = values[~mine & np.isfinite(values[:, channel]), channel]
+        if len(rest) and values[mine, channel][0] - rest.max() <= np.ptp(rest):
+            there[:, channel] = False
+    return there
 
 
 def at_ends_or_marked(shoe: Shoe, readings: Readings) -> BoolArray:

@@ -111,7 +111,7 @@ def _cells(runs: Mapping[int, Run], aligned: Mapping[int, Aligned], shoe: Shoe) 
     still = stuck(parts, [one for one in found if one.channel not in ends_of])
     return [
         *words.of_dead(shoe, silent),
-        *words.of_ends(shoe, ends.mean(axis=0).tolist()),
+        *words.of_ends(shoe, ends, np.concatenate([run.readings.value for run in runs.values()])),
         *words.of_saturated(shoe, at_end),
         *words.of_stuck(shoe, still),
     ]

@@ -23,9 +23,11 @@ from shoecal_core.recording.session import Session
 TRAIN = ("--train", "1,2,3", "--test", "4")
 
 
-def rewritten(folder: Path, out: Path, change: Callable[[Run], Run]) -> Path:
+def rewritten(
+    folder: Path, out: Path, change: Callable[[Run], Run], *, force: bool = False
+) -> Path:
     """A session whose runs are changed before anything reads them."""
-    old = Session.open(folder)
+    old = Session.open(folder, force=force)
     new = Session.create(out, old.robot_yaml, old.robot_urdf, old.shoe.path, seed=old.seed)
     for entry in old.runs:
         run = change(old.read(entry.run))
@@ -196,3 +198,31 @@ def test_data_sheets_that_contradict_the_data(
         code, told, error = shoecal("calibrate", session, "--force", "--out", out)
         assert out.exists() == passes == (code == 0)
         assert ("are the readings in kgf or kg?" in told + error) != passes
+
+
+def test_a_converter_at_its_ceiling_is_one_line(
+    shoecal: Command, simulated: Path, tmp_path: Path
+) -> None:
+    """The shoe file's range is wider than the converter's, as where it was not known."""
+    source = tmp_path / "source"
+    shutil.copytree(simulated, source)
+    shoe = source / "shoe.yaml"
+    shoe.write_text(
+        shoe.read_text().replace("lowest: -5.0, highest: 5.0", "lowest: -2e9, highest: 2e9")
+    )
+    channels = [0, 2, 5]
+
+    def at_ceiling(run: Run) -> Run:
+        values = run.readings.value.copy()
+        for offset, channel in enumerate(channels):
+            values[100 + offset :: 97, channel] = 16777215.0
+        return with_values(run, values)
+
+    session = rewritten(source, tmp_path / "session", at_ceiling, force=True)
+    code, out, error = shoecal("check", session)
+    assert code == 0, error
+    lines = [line for line in plain(out).split("WARN: ") if "at the end of" in line]
+    assert len(lines) == 1
+    assert lines[0].startswith("left/toe, left/heel_right, right/c are at the end of their range")
+    assert "messages, at 16777215 V), where the converter goes no further: lower" in lines[0]
+    assert "spikes" not in out
