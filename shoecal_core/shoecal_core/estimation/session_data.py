@@ -29,7 +29,7 @@ from shoecal_core.samples.sampling import make_samples
 from shoecal_core.samples.settings import SampleSettings
 from shoecal_core.samples.stance import Stance
 from shoecal_core.samples.zeros import Zero
-from shoecal_core.screening.clocks import time_offset
+from shoecal_core.screening.clocks import clock_rate, time_offset
 from shoecal_core.screening.extract import stances_of, zeros_of
 from shoecal_core.screening.result import Screening
 from shoecal_core.screening.screen import screen
@@ -190,6 +190,7 @@ def load_data(
             number: recorded[number] for number, run in read.items() if run.info.support is not None
         }
         late = time_offset(standing, shoe, robot.weight, settings)
+        rate = clock_rate(read, standing, shoe, robot.weight, settings)
         if late != 0.0:
             aligned = {}
             for number, run in read.items():
@@ -198,7 +199,7 @@ def load_data(
             read, loaded = ({n: runs[n] for n in aligned} for runs in (read, loaded))
         there = {number: aligned[number] for number in loaded}
         soles = open_soles(loaded, there, shoe, kinematics)
-        screening = screen(loaded, there, shoe, robot.weight, settings, late, soles)
+        screening = screen(loaded, there, shoe, robot.weight, settings, late, soles, rate)
     stances: dict[int, tuple[Stance, ...]] = dict.fromkeys(read, ())
     zeros: list[Zero] = []
     for number, run in read.items():

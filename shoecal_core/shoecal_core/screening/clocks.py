@@ -16,6 +16,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from shoecal_core.arrays import FloatArray
+from shoecal_core.recording.run import Run
 from shoecal_core.samples.aligned import MIN_SAMPLES, Aligned
 from shoecal_core.samples.filters import resampled, typical_period
 from shoecal_core.screening.blocks import blocks
@@ -38,6 +39,10 @@ standard deviations; the fit finds what is left."""
 LEFT_STD_S = 0.005
 """How far a corrected offset may still be off."""
 REWEIGHED = 5
+DRIFTS_S = 0.05
+"""Clocks of different rates are named from this drift within a run on."""
+CONFIRMED = 0.5
+"""Share of a clock's rate by which what the CoP shows of it may differ."""
 
 
 @dataclass(frozen=True)
@@ -67,6 +72,50 @@ def time_offset(
     each = np.array([_late([track], late) for track in tracks])
     unsure = float(each.std(ddof=1) / np.sqrt(len(each)))
     return late if abs(late) > max(CORRECTED_S, SURE_STDS * unsure) else 0.0
+
+
+def clock_rate(
+    runs: Mapping[int, Run],
+    aligned: Mapping[int, Aligned],
+    shoe: Shoe,
+    weight: float,
+    settings: CalibrationSettings,
+) -> float:
+    """Share by which the readings' clock runs faster than the joints'; 0 where both run alike.
+
+    What was recorded together spans other times, and the CoP confirms it: from the first half of
+    each run to the second the joints get later, or earlier.
+
+    Args:
+        runs: by number.
+        aligned: those in double support, by the stamps as they are.
+        weight: of robot and shoes [N].
+    """
+    spans = [
+        [float(np.ptp(one.time)) for one in (runs[run].readings, runs[run].joints)]
+        for run in aligned
+    ]
+    rate = float(np.median([mine / other - 1.0 for mine, other in spans])) if spans else 0.0
+    if not spans or abs(rate) * float(np.median(spans)) < DRIFTS_S:
+        return 0.0
+    shown = []
+    for track in _tracks(aligned, shoe, weight, settings):
+        first, second = _halves(track)
+        if min(len(first.time), len(second.time)) >= MIN_SAMPLES:
+            apart = float(second.time.mean() - first.time.mean())
+            shown.append((_late([first]) - _late([second])) / apart)
+    sure = bool(shown) and abs(float(np.median(shown)) - rate) < CONFIRMED * abs(rate)
+    return rate if sure else 0.0
+
+
+def _halves(track: CopTrack) -> tuple[CopTrack, CopTrack]:
+    """One run's first half and its second."""
+    early = track.time < 0.5 * (track.time[0] + track.time[-1])
+    first, second = (
+        CopTrack(track.time[part], track.measured[part], track.modelled[part])
+        for part in (early, ~early)
+    )
+    return first, second
 
 
 def _tracks(

@@ -18,7 +18,7 @@ from shoecal_core.screening import findings as words
 from shoecal_core.screening.blocks import blocks
 from shoecal_core.screening.disturbed import FAST_MOTION
 from shoecal_core.screening.faults import Fault
-from shoecal_core.screening.findings import of_time_offset
+from shoecal_core.screening.findings import of_clock_rate, of_time_offset
 from shoecal_core.screening.result import LeftOut, Screening
 from shoecal_core.screening.saturated import at_ends_or_marked, ended
 from shoecal_core.screening.settings import CalibrationSettings
@@ -37,6 +37,7 @@ def screen(
     settings: CalibrationSettings,
     time_offset: float = 0.0,
     soles: Mapping[int, Soles] | None = None,
+    clock_rate: float = 0.0,
 ) -> Screening:
     """Look for every fault.
 
@@ -48,10 +49,11 @@ def screen(
         weight: of robot and shoes [N].
         time_offset: by which the joints were late before they were aligned [s].
         soles: that are not level, by run.
+        clock_rate: by which the readings' clock runs faster than the joints', as a share.
     """
     runs, aligned = dict(sorted(runs.items())), dict(sorted(aligned.items()))
     found = Screening(
-        findings=tuple(of_time_offset(time_offset)),
+        findings=tuple(of_clock_rate(clock_rate) or of_time_offset(time_offset)),
         time_offset=time_offset,
         samples={number: len(run.readings.time) for number, run in runs.items()},
         left_out=_lost(runs, aligned, shoe),

@@ -155,6 +155,19 @@ def test_readings_of_another_clock_are_put_right(
         assert "joints are early by" in out
 
 
+@pytest.mark.parametrize(("fast", "named"), [(0.012, "readings"), (-0.012, "joints")])
+def test_a_clock_that_runs_fast_is_named(
+    shoecal: Command, simulated: Path, tmp_path: Path, fast: float, named: str
+) -> None:
+    def stretched(run: Run) -> Run:
+        return replace(run, readings=replace(run.readings, time=run.readings.time * (1.0 + fast)))
+
+    code, out, _ = shoecal("check", rewritten(simulated, tmp_path / "s", stretched))
+    assert code != 0
+    assert f"the clock of the {named} runs fast by 1.2% against that of the" in plain(out)
+    assert "which is corrected in the fit" not in plain(out)
+
+
 def test_a_changed_shoe_file_is_refused_unless_forced(
     shoecal: Command, simulated: Path, tmp_path: Path
 ) -> None:
