@@ -19,7 +19,7 @@ from shoecal_core.screening.verdict import Finding
 from shoecal_core.screening.weights import WrongWeight
 from shoecal_core.screening.wiring import WiringFaults, of_feet
 from shoecal_core.screening.zeros import MovedZeros
-from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.shoe import FEET, Shoe
 
 NOTABLE: Mapping[Fault, float] = {
     Fault.UNREADABLE: 0.2,
@@ -188,6 +188,15 @@ def of_zeros(found: MovedZeros | None, weight: float) -> list[Finding]:
         "firmware (HX711 libraries do it in setup()), or keep the boards powered from the first "
         "run to the last, and record again"
     )
+    if found.tared:
+        before = " and ".join(
+            f"the {FEET[foot]} foot before {_runs(runs)}" for foot, runs in found.tared.items()
+        )
+        text = (
+            f"all readings of a loaded foot start at zero ({before}), which hides what it carried: "
+            f"{tare}"
+        )
+        return [Finding("FAIL", text, Fault.MOVED_ZEROS)]
     than = _runs(found.reference)
     if found.less:
         less = (

@@ -32,7 +32,7 @@ from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.screening.spikes import find_jumps
 from shoecal_core.screening.weights import wrong_weights
 from shoecal_core.screening.wiring import check_wiring
-from shoecal_core.screening.zeros import moved_zeros
+from shoecal_core.screening.zeros import moved_zeros, starts_at_zero
 from shoecal_core.shoe.sensing import MINIMUM_FORCE
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters, cop, foot_wrenches
@@ -82,7 +82,9 @@ def screen_standing(
     if several:
         # First: zeros that move look like exchanged cables and like cells that stop.
         height = float(np.median([np.median(one.states.com[:, 0, 2]) for one in aligned.values()]))
-        moved = moved_zeros(rows, information, weight, height, settings)
+        moved = moved_zeros(
+            rows, information, weight, height, settings, starts_at_zero(shoe, parts)
+        )
         found = found.adding(words.of_zeros(moved, weight))
     if several and not found.fails:
         wiring = check_wiring(shoe, parts, information, weight, settings)

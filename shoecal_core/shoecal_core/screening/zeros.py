@@ -10,14 +10,16 @@ One run's stances fix three numbers of its zeros, no more: so b_r (F, Mx, My), n
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from shoecal_core.arrays import FloatArray
+from shoecal_core.screening.blocks import Blocks
 from shoecal_core.screening.rough_fit import Equations, reweighed, solve
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.shoe.priors import TORQUE_LEVER_M
+from shoecal_core.shoe.shoe import FEET, Shoe
 
 LEAST_COST = 1.0
 WHOLE = 0.1
@@ -33,6 +35,9 @@ LEFT = 0.2
 """Of what the runs contradict each other by, the most that zeros of their own may leave. Of a tare
 they leave a hundredth; of other faults mostly all."""
 
+AT_ZERO = 0.05
+"""Share of its range in a run by which each channel of a foot may start off zero after a tare."""
+
 
 @dataclass(frozen=True)
 class MovedZeros:
@@ -43,12 +48,14 @@ class MovedZeros:
         reference: the runs that the others are compared with.
         cop: by run, what the zeros move the CoP by against the reference [m].
         part: that `less` show less, where it is only a part of the weight; 0: all of it [N].
+        tared: by foot (index into FEET), the runs before which it alone was zeroed under load.
     """
 
     less: tuple[int, ...]
     reference: tuple[int, ...]
     cop: Mapping[int, float]
     part: float = 0.0
+    tared: Mapping[int, tuple[int, ...]] = field(default_factory=dict)
 
 
 def moved_zeros(
@@ -57,6 +64,7 @@ def moved_zeros(
     weight: float,
     height: float,
     settings: CalibrationSettings,
+    tared: Mapping[int, tuple[int, ...]] | None = None,
 ) -> MovedZeros | None:
     """Whether zeros moved between runs by what only a tare under load moves them by.
 
@@ -64,6 +72,7 @@ def moved_zeros(
         runs: equations of each.
         information: (2n,) prior, of gains and offsets.
         weight: of robot and shoes [N]. height: of its CoM over the floor [m].
+        tared: by foot, the runs that start with all of its readings at zero; see `starts_at_zero`.
 
     Returns:
         None where they did not.
@@ -74,6 +83,11 @@ def moved_zeros(
     numbers, scale = list(runs), np.array([1.0, TILT_RAD * height, TILT_RAD * height]) * weight
     away = np.linalg.norm((shift - np.median(shift, axis=0)) / scale, axis=1)
     at = int(np.argmin(away))
+    # A tare of one foot hides what it carried, which is another load before each run.
+    if tared and np.abs(shift / scale - (shift / scale)[at]).max() > PART:
+        every = {run for one in tared.values() for run in one}
+        rest = tuple(run for run in numbers if run not in every)
+        return MovedZeros((), rest, {}, tared=tared)
     less, more, cop = list[int](), list[int](), dict[int, float]()
     for run, (force, *moment) in zip(numbers, shift - shift[at], strict=True):
         if abs(abs(force) - weight) < WHOLE * weight:
@@ -89,6 +103,20 @@ def moved_zeros(
     if apart := _apart(numbers, shift[:, 0], weight):
         return apart
     return MovedZeros((), (numbers[at],), cop) if cop else None
+
+
+def starts_at_zero(shoe: Shoe, runs: Mapping[int, Blocks]) -> dict[int, tuple[int, ...]]:
+    """By foot, the runs in double support that start with all of its readings at zero.
+
+    Runs that start so with both feet are left out.
+    """
+    found: dict[int, list[int]] = {}
+    for run, one in runs.items():
+        off = np.abs(one.readings[0]) > AT_ZERO * np.ptp(one.readings, axis=0)
+        feet = [foot for foot in range(len(FEET)) if not off[shoe.of_foot(foot)].any()]
+        if len(feet) == 1:
+            found.setdefault(feet[0], []).append(run)
+    return {foot: tuple(numbers) for foot, numbers in sorted(found.items())}
 
 
 def _apart(runs: Sequence[int], force: FloatArray, weight: float) -> MovedZeros | None:

@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 
 from core.screening.recordings import HEIGHT, SETTINGS, WEIGHT, Recording, recording
+from core.screening.test_screen import screened
 from core.screening.test_weights import carrying
 from shoecal_core.screening.blocks import blocks
 from shoecal_core.screening.findings import of_zeros
 from shoecal_core.screening.rough_fit import equations, prior
 from shoecal_core.screening.zeros import MovedZeros, moved_zeros
+from shoecal_core.shoe.shoe import FEET
 
 
 def found(whole: Recording) -> MovedZeros | None:
@@ -64,6 +66,24 @@ def test_a_tare_of_one_foot_under_load_before_later_runs(foot: str) -> None:
     (finding,) = of_zeros(moved, WEIGHT)
     assert finding.verdict == "FAIL"
     assert f"{moved.part:.1f} N less than runs 1 and 2, each by as much" in finding.reason
+
+
+@pytest.mark.parametrize("shoe", ["nao_shoe", "odd_shoe"])
+@pytest.mark.parametrize("runs", [(2,), (2, 3), (1, 2, 3), (1, 2, 3, 4)], ids=str)
+@pytest.mark.parametrize("foot", [0, 1])
+def test_a_tare_of_one_foot_before_each_run(foot: int, runs: tuple[int, ...], shoe: str) -> None:
+    """It hides another load in each run; neither cables nor the good runs are blamed."""
+    whole = recording(5, count=4, shoe=shoe)
+    own = whole.shoe.foot == foot
+    spoilt = whole.with_readings(
+        lambda run, values: values - own * values[:20].mean(axis=0) * (run in runs)
+    )
+    (finding,) = screened(spoilt).findings
+    assert finding.verdict == "FAIL"
+    *others, last = map(str, runs)
+    named = f"runs {', '.join(others)} and {last}" if others else f"run {last}"
+    assert f"(the {FEET[foot]} foot before {named})" in finding.reason
+    assert "zeroed (tare) under load" in finding.reason
 
 
 def test_a_tare_in_another_posture_before_each_run() -> None:
