@@ -39,6 +39,8 @@ MAX_ODD_ROWS_SHARE = 0.02
 """Tables of one trial whose numbers of rows differ by more are not row by row of one clock."""
 MAX_REPEATED_SHARE = 0.1
 """A time column in which more rows repeat or go back is no time column of rows in order."""
+FEW_DIGITS_SHARE = 0.4
+"""Of its rows that repeat the time before, and none goes back: digits of the times are missing."""
 
 
 def import_csv(mapping_path: Path, folder: Path, out: Path) -> Session:
@@ -254,6 +256,14 @@ def _timed(
     forward = in_order(stamps)
     back = np.flatnonzero(~forward)
     if len(back) > MAX_REPEATED_SHARE * len(stamps):
+        if len(back) > FEW_DIGITS_SHARE * len(stamps) and (np.diff(stamps) >= 0).all():
+            raise table.error(
+                time.name,
+                int(back[0]),
+                f"{len(back)} of {len(stamps)} times are those of the row before: they were "
+                "written with too few digits; write them to a millisecond or better and export the "
+                "file again",
+            )
         raise table.error(time.name, int(back[0]), "time repeats or goes back; sort the rows")
     if len(back):
         notes.append(

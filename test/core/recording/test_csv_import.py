@@ -313,6 +313,22 @@ def test_a_time_that_repeats_now_and_then_is_left_out_and_reported(folder: Path)
     )
 
 
+@pytest.mark.parametrize("digits", ["1.7e9 to six digits", "whole seconds"])
+def test_times_without_their_digits_are_refused_with_the_cure(folder: Path, digits: str) -> None:
+    """In ms, 20 ms apart."""
+    times = 1000.0 * (np.arange(60) // 50)
+    if digits == "1.7e9 to six digits":
+        times = np.array([float(f"{1.7e9 + 20 * k:.6g}") for k in range(60)])
+    rows = [f"{time:.0f};0.1;1;2;3;0.1;0.2;0.3;-0.1;9" for time in times]
+    (folder / "a" / "pos.csv").write_text("\n".join([POS.splitlines()[0], *rows]))
+    (folder / "a" / "ft.csv").write_text("\n".join([FT.splitlines()[0], *60 * ["1;2;3;4;5;6"]]))
+    with pytest.raises(FileError) as raised:
+        import_all(folder)
+    assert "pos.csv" in str(raised.value)
+    assert "of 60 times are those of the row before" in str(raised.value)
+    assert "too few digits; write them to a millisecond or better" in str(raised.value)
+
+
 def test_efforts_imu_quaternions_and_start(folder: Path) -> None:
     """Each table with a time column; efforts sampled at other times than the angles."""
     mapping = yaml.safe_load(MAPPING)
