@@ -20,11 +20,10 @@ import yaml
 from population import ROOT, SUPPORTS, TRAIN, make_session, nao, paper_runs
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import atomic_write, sha256
+from shoecal_core.planning.motion_sets import STANDARD, STANDARD_SUPPORTS, set_runs
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.standard import STANDARD_SUPPORTS, standard_runs
 from shoecal_core.planning.supports.draw import draw_supports
 from shoecal_core.recording.session import Session
-from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.simulation.reality import PlantVariation
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.workflows.many_jobs import over_cores
@@ -35,7 +34,7 @@ DEFAULT = "default"
 NOISY = ("noisy", "noisy_1n")
 """The default reality in all but the noise of its readings."""
 REALITIES = (DEFAULT, "other_laws", *NOISY)
-STANDARD, PAPER = "standard", "paper"
+PAPER = "paper"
 MOTIONS = (STANDARD, PAPER)
 """The set that a self-calibration records by default, with both unloading motions, and the paper's
 own protocol."""
@@ -133,8 +132,7 @@ class Case:
         shutil.rmtree(self.folder, ignore_errors=True)
         try:
             supports = draw_supports(robot, shoe, PlannerSettings(), count, self.seed)
-            neutral = DoubleSupport(*robot.support_range.neutral)
-            runs = standard_runs(supports, neutral) if standard else paper_runs(supports)
+            runs = set_runs(STANDARD, supports, robot.neutral) if standard else paper_runs(supports)
             make_session(
                 self.folder, runs, seed=self.seed, robot_seed=self.seed, reality=self.changes
             )

@@ -24,8 +24,8 @@ from blind.intervals import clopper_pearson
 from blind.world import draw_sections, write_reality
 from pages import EVIDENCE, Row, markdown, record, write_section
 from shoecal_core.diagnosis.diagnose import diagnose
+from shoecal_core.planning.motion_sets import PlannedRun
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.standard import PlannedRun
 from shoecal_core.planning.supports.draw import draw_supports
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.shoe.shoe import load_shoe
@@ -36,7 +36,7 @@ MOTIONS = (
     ("landmarks", "train"), ("reversed", "train"), ("hold", "train"), ("torso_tilt", "train"),
     ("unload_right", "train"), ("landmarks", "test"), ("torso_height", "test"),
 )  # fmt: skip
-"""Not the standard set."""
+"""Not the thorough set."""
 RATE_HZ = 80.0
 
 

@@ -19,8 +19,8 @@ from pathlib import Path
 
 import numpy as np
 
+from shoecal_core.planning.motion_sets import PlannedRun, listed_runs
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.standard import PlannedRun, listed_runs
 from shoecal_core.planning.supports.draw import draw_supports
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.double_support import DoubleSupport

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import shoecal_core as sc
 from shoecal_core.cli.progress import shown_progress
+from shoecal_core.planning.motion_sets import listed_runs
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.standard import listed_runs
 from shoecal_core.simulation.disturbances import MovingRobot
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.reality_file import load_reality

@@ -81,7 +81,7 @@ class Answer:
         category: what it is for.
         seed: draws robot, cells and noise.
         motions: seed of its motions.
-        order: of the standard set, those that are recorded, in their order.
+        order: of the thorough set, those that are recorded, in their order.
         pace: how many times as fast as planned.
         imu: whether an inertial unit is recorded.
         base: the reality that its world changes (`world.BASES`).

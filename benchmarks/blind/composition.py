@@ -25,7 +25,7 @@ from blind.recorder import HOLD_S, PAUSE_S
 from blind.unknown_laws import FUNCTIONS
 from blind.unknowns import KINDS
 from blind.world import draw_world, over_perfect
-from shoecal_core.planning.standard import STANDARD
+from shoecal_core.planning.motion_sets import MOTION_SETS, THOROUGH, UNLOADING
 
 FULL = {"clean": 48, "single": 69, "double": 12, "unknown": 22}
 """Sets of a full round, by category."""
@@ -36,7 +36,8 @@ LEAST_PACE = 1.3
 BUILT = (0.5, 2.5)
 """Between which as-built errors are times those of their base."""
 Motions = Mapping[int, Sequence[float]]
-_UNLOADING = frozenset(("unload_left", "unload_right"))
+_RUNS = MOTION_SETS[THOROUGH].runs
+"""What is done where: motion and hint of each."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +64,7 @@ def compose(seed: int, mix: Mix, motions: Motions) -> list[Answer]:
     Args:
         seed: of the round.
         mix: how many.
-        motions: how long each of the standard set takes [s], by the seed they were planned with.
+        motions: how long each of the thorough set takes [s], by the seed they were planned with.
     """
     rng = np.random.default_rng([seed, 20])
     drawn = [*_clean(mix.clean, rng, motions), *_single(mix.single, rng, motions)]
@@ -82,7 +83,7 @@ def _blank(category: Category, rng: np.random.Generator, motions: Motions) -> An
         category=category,
         seed=int(rng.integers(2**31)),
         motions=int(rng.choice(list(motions))),
-        order=tuple(rng.permutation(len(STANDARD)).tolist()),
+        order=tuple(rng.permutation(len(_RUNS)).tolist()),
         pace=1.0,
         imu=True,
         base=base,
@@ -98,7 +99,7 @@ def _clean(count: int, rng: np.random.Generator, motions: Motions) -> Iterator[A
         if lacking < LACKING:
             answer = dataclasses.replace(answer, imu=False)
         elif lacking < 2.0 * LACKING:
-            answer = _without(answer, _UNLOADING)
+            answer = _without(answer, UNLOADING)
         yield answer
 
 
@@ -168,7 +169,7 @@ def slipping(
     standing = [
         number
         for number, index in enumerate(answer.order, start=1)
-        if STANDARD[index].motion not in _UNLOADING
+        if _RUNS[index][0] not in UNLOADING
     ]
     run = int(rng.choice(standing))
     length = durations[answer.order[run - 1]]
@@ -178,7 +179,7 @@ def slipping(
 
 def _without(answer: Answer, motions: frozenset[str]) -> Answer:
     """The same with some motions not recorded."""
-    kept = tuple(index for index in answer.order if STANDARD[index].motion not in motions)
+    kept = tuple(index for index in answer.order if _RUNS[index][0] not in motions)
     return dataclasses.replace(answer, order=kept)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from blind.motions import PlannedMotion
 from shoecal_core.arrays import BoolArray, FloatArray, IntArray
-from shoecal_core.planning.standard import TRAIN
+from shoecal_core.planning.motion_sets import TRAIN
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import columns_in_left
 from shoecal_core.simulation.samples import SimulatedSamples

@@ -16,7 +16,7 @@ from blind.catalogue import item
 from blind.composition import Mix, compose
 from blind.gap import measure_gap
 from blind.layout import Round
-from blind.motions import fill, standard_set
+from blind.motions import fill, planned_set
 from blind.processes import over
 from blind.recorder import Recorded, record
 from blind.unknowns import KINDS
@@ -34,7 +34,7 @@ def draw_round(place: Round, seed: int, mix: Mix, jobs: int) -> str:
     """Draw a round and seal its answers, unless that is done; their SHA-256."""
     count = max(2, round(sum(dataclasses.astuple(mix)) / SETS_A_MOTION))
     motions = fill([100 * seed + index for index in range(1, count + 1)], jobs)
-    planned = {one: [each.trajectory.duration for each in standard_set(one)] for one in motions}
+    planned = {one: [each.trajectory.duration for each in planned_set(one)] for one in motions}
     return seal(place, compose(seed, mix, planned))
 
 
@@ -81,6 +81,6 @@ def make_set(place: Round, answer: Answer, rate: float = RATE_HZ) -> Recorded:
     if (told := answer.foreign) is not None and told.kind in KINDS:
         foreign = KINDS[told.kind](told.size, np.random.default_rng(told.seed))
     reality = write_world(place.world(answer.number), answer, items)
-    planned = standard_set(answer.motions)
+    planned = planned_set(answer.motions)
     own = [planned[index].paced(answer.pace) for index in answer.order]
     return record(place.recorded(answer.number), answer, reality, own, foreign, rate)

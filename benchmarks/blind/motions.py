@@ -1,4 +1,4 @@
-"""Planned motions of the standard set, kept on the disk: planning costs more than simulating."""
+"""Planned motions of the thorough set, kept on the disk: planning costs more than simulating."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from blind.processes import over
 from population import nao
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import atomic_write
+from shoecal_core.planning.motion_sets import STANDARD_SUPPORTS, THOROUGH, PlannedRun, set_runs
 from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.standard import STANDARD_SUPPORTS, PlannedRun, standard_runs
 from shoecal_core.planning.supports.draw import draw_supports
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.joint_trajectory import JointTrajectory
@@ -44,8 +44,8 @@ class PlannedMotion:
         return dataclasses.replace(self, trajectory=faster)
 
 
-def standard_set(seed: int) -> tuple[PlannedMotion, ...]:
-    """The standard set of motions in double supports that a seed draws; planned once."""
+def planned_set(seed: int) -> tuple[PlannedMotion, ...]:
+    """The thorough set of motions in double supports that a seed draws; planned once."""
     file = _file(f"{seed:04d}")
     if not file.is_file():
         _keep(file, [_planned(run) for run in _runs(seed)])
@@ -53,7 +53,7 @@ def standard_set(seed: int) -> tuple[PlannedMotion, ...]:
 
 
 def fill(seeds: Sequence[int], jobs: int) -> list[int]:
-    """Plan what is missing of several standard sets; the seeds that have one."""
+    """Plan what is missing of several sets; the seeds that have one."""
     there = over(_there, seeds, jobs)
     return [seed for seed, can in zip(seeds, there, strict=True) if can]
 
@@ -61,7 +61,7 @@ def fill(seeds: Sequence[int], jobs: int) -> list[int]:
 def _there(seed: int) -> bool:
     """Whether a seed's motions could be planned."""
     try:
-        standard_set(seed)
+        planned_set(seed)
     except ShoecalError as error:
         print(f"motions {seed}: {error}", flush=True)
         return False
@@ -72,7 +72,7 @@ def _runs(seed: int) -> tuple[PlannedRun, ...]:
     robot, shoe = nao()
     supports = draw_supports(robot, shoe, PlannerSettings(), STANDARD_SUPPORTS, seed)
     mixed = [supports[i] for i in np.random.default_rng(seed).permutation(5)]
-    return standard_runs(mixed, DoubleSupport(*map(float, robot.support_range.neutral)))
+    return set_runs(THOROUGH, mixed, robot.neutral)
 
 
 @cache
@@ -88,7 +88,7 @@ def _planned(run: PlannedRun) -> PlannedMotion:
 def _file(name: str) -> Path:
     """Of motions; another robot or shoe has others."""
     robot, shoe = nao()
-    return POOL / f"{robot.digest[:8]}_{shoe.digest[:8]}" / f"{name}.npz"
+    return POOL / f"{THOROUGH}_{robot.digest[:8]}_{shoe.digest[:8]}" / f"{name}.npz"
 
 
 def _keep(file: Path, motions: Sequence[PlannedMotion]) -> None:

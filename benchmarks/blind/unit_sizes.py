@@ -39,7 +39,7 @@ from blind.draws import (
 from blind.gap import MeasuredGap, measure_gap
 from blind.generate import make_set
 from blind.layout import UNIT_SIZES, Round
-from blind.motions import standard_set
+from blind.motions import planned_set
 from blind.processes import over
 from blind.world import middle_world
 from shoecal_core.errors import ShoecalError
@@ -52,7 +52,7 @@ _RATE_HZ = 25.0
 """Enough for a mean error, and four times as fast to write."""
 _SEED = 1
 _ORDER = (0, 1, 2, 6)
-"""Of the standard set: three motions to train, one to test; all of them tell much the same."""
+"""Of the thorough set: three motions to train, one to test; all of them tell much the same."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -169,7 +169,7 @@ def _with(unit: Unit, magnitude: float) -> Answer:
     rng = np.random.default_rng(crc32(unit.key.encode()))
     truth = Truth(unit.effect, unit.location, draw_size(unit.effect, magnitude, rng))
     if unit.effect == "slip":
-        durations = [one.trajectory.duration for one in standard_set(answer.motions)]
+        durations = [one.trajectory.duration for one in planned_set(answer.motions)]
         truth = slipping(answer, truth, rng, durations)
     pace = magnitude if unit.effect == "inertia" else 1.0
     return dataclasses.replace(answer, truths=(truth,), pace=pace)

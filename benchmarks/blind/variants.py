@@ -8,7 +8,7 @@ from blind.cases import Case
 from blind.layout import Round
 from blind.submit import Submission, submit
 from population import nao
-from shoecal_core.planning.standard import TEST, TRAIN
+from shoecal_core.planning.motion_sets import TEST, TRAIN
 from shoecal_core.recording.session import Session
 from shoecal_core.simulation.reality import BASE
 from shoecal_core.simulation.sampled_parts import link_names

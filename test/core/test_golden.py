@@ -53,13 +53,13 @@ SESSIONS = {
     "wren": Recorded(
         CONFIG / "robots" / "wren.yaml",
         CONFIG / "shoes" / "wren_shoe.yaml",
-        ("--motions", "standard", "--rate", "50", "--seed", "3"),
+        ("--motions", "thorough", "--rate", "50", "--seed", "3"),
         (CONFIG / "realities" / "other_laws.yaml").read_text(),
     ),
     "nao": Recorded(
         CONFIG / "robots" / "nao.yaml",
         CONFIG / "shoes" / "nao_shoe.yaml",
-        ("--motions", "standard", "--rate", "50", "--seed", "5"),
+        ("--motions", "thorough", "--rate", "50", "--seed", "5"),
         "format: 1\neffects:\n"
         "  - {effect: span_drift, location: [left], rate_per_s: 0.0004}\n"
         "  - {effect: joint_offset, location: [RAnkleRoll], angle_rad: 0.02}\n",

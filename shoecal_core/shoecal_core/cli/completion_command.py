@@ -14,10 +14,10 @@ from types import ModuleType
 from rich.console import Console
 
 from shoecal_core.cli.parsers import COMMANDS, actions_of, command_line
-from shoecal_core.cli.planning_arguments import STANDARD_SET
 from shoecal_core.error_sources.effects.known import EFFECTS
 from shoecal_core.errors import ShoecalError
 from shoecal_core.planning.motion_catalogue import MOTION_KINDS
+from shoecal_core.planning.motion_sets import MOTION_SETS
 
 SHELLS = {
     "bash": "shoecal completion bash > ~/.local/share/bash-completion/completions/shoecal",
@@ -46,7 +46,7 @@ def completion_script(shell: str) -> str:
     parser = command_line(list(COMMANDS))
     names = {
         "only": [effect.identifier for effect in EFFECTS],
-        "motions": (STANDARD_SET, *MOTION_KINDS),
+        "motions": (*MOTION_SETS, *MOTION_KINDS),
     }
     for action in actions_of(parser):
         if action.type is Path:

@@ -12,6 +12,7 @@ from shoecal_core.cli.suggestions import nearest
 from shoecal_core.errors import ShoecalError
 from shoecal_core.parameter_file import load_settings
 from shoecal_core.planning.motion_catalogue import MOTION_KINDS
+from shoecal_core.planning.motion_sets import MOTION_SETS
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.draw import draw_supports
 from shoecal_core.planning.supports.feasible import Feasible
@@ -23,20 +24,18 @@ from shoecal_core.settings import SettingError
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.workspace import config_dir
 
-STANDARD_SET = "standard"
-"""Names the standard set of motions."""
-
 
 def motion_names(text: str) -> tuple[str, ...]:
-    """Motions of the catalogue separated by commas, or the name of the standard set alone."""
+    """Motions of the catalogue separated by commas, or the name of a set of motions alone."""
     names = tuple(text.split(","))
-    if names == (STANDARD_SET,):
+    if len(names) == 1 and names[0] in MOTION_SETS:
         return names
     for name in names:
         if name not in MOTION_KINDS:
             raise argparse.ArgumentTypeError(
-                f"'{name}': expected '{STANDARD_SET}' alone, or motions separated by commas, of: "
-                f"{', '.join(MOTION_KINDS)}{nearest(name, (STANDARD_SET, *MOTION_KINDS))}"
+                f"'{name}': expected a set ({', '.join(MOTION_SETS)}) alone, or motions separated "
+                f"by commas, of: {', '.join(MOTION_KINDS)}"
+                f"{nearest(name, (*MOTION_SETS, *MOTION_KINDS))}"
             )
     return names
 

@@ -11,14 +11,13 @@ from rich.console import Console
 
 from shoecal_core.cli.arguments import rate_hz, refuse_exchanged, seed_number
 from shoecal_core.cli.planning_arguments import (
-    STANDARD_SET,
     add_planning,
     chosen_supports,
     motion_names,
     planner_settings,
 )
 from shoecal_core.cli.progress import shown_progress
-from shoecal_core.planning.standard import PlannedRun, listed_runs, standard_runs
+from shoecal_core.planning.motion_sets import MOTION_SETS, PlannedRun, listed_runs, set_runs
 from shoecal_core.recording.session import require_free
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
@@ -52,8 +51,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--motions",
         type=motion_names,
         metavar="M,…",
-        help=f"one run of each motion, in the double supports in turn (instead of --motion); "
-        f"'{STANDARD_SET}': the standard set of a diagnosis, marked to train and to test",
+        help="one run of each motion, in the double supports in turn (instead of --motion); or a "
+        "set, marked to train and to test: "
+        + "; ".join(f"{name} ({one.doc})" for name, one in MOTION_SETS.items()),
     )
     parser.add_argument("--out", type=Path, metavar="DIR", required=True, help="session to make")
     add_planning(parser)
@@ -108,6 +108,6 @@ def _runs(
     args: argparse.Namespace, robot: Robot, supports: Sequence[DoubleSupport]
 ) -> Sequence[PlannedRun]:
     """What to do where: `--motions`, else the one motion in each double support."""
-    if args.motions == (STANDARD_SET,):
-        return standard_runs(supports, DoubleSupport(*map(float, robot.support_range.neutral)))
+    if args.motions and args.motions[0] in MOTION_SETS:
+        return set_runs(args.motions[0], supports, robot.neutral)
     return listed_runs(supports, args.motions or [args.motion] * len(supports))

@@ -155,7 +155,7 @@ def _jacobians(fit: JointFit, model: ErrorModel) -> list[FloatArray]:
     """(2 p, u) of the CoP of both feet, left and right, by all unknowns."""
     both, left, right = model.load_cases()
     return [
-        _of_all(fit, model.both_jacobian(both, model.neutral)[:, 1:]),
+        _of_all(fit, model.both_jacobian(both, model.robot.neutral)[:, 1:]),
         _of_all(fit, model.foot_jacobian(left, 0)[:, 1:]),
         _of_all(fit, model.foot_jacobian(right, 1)[:, 1:]),
     ]

@@ -160,7 +160,7 @@ class ErrorModel:
         hull of both sensing polygons, and of left and right under half the weight with the CoP
         anywhere in the foot's own polygon [N or N m].
         """
-        robot, support = self.robot, self.neutral
+        robot, support = self.robot, self.robot.neutral
         places = places_over(np.array(sensing_hull(robot, support).exterior.coords))
         both = double_support_outputs(self.filed, support, robot.weight, places)
         left, right = (
@@ -171,15 +171,10 @@ class ErrorModel:
         )
         return both, left, right
 
-    @property
-    def neutral(self) -> DoubleSupport:
-        """The neutral double support."""
-        return DoubleSupport(*(float(value) for value in self.robot.support_range.neutral))
-
     def over_polygons(self) -> tuple[Spread, Spread, Spread]:
         """Of both feet, left and right in their load cases."""
         both, left, right = self.load_cases()
-        return self.both_feet(both, self.neutral), self.foot(left, 0), self.foot(right, 1)
+        return self.both_feet(both, self.robot.neutral), self.foot(left, 0), self.foot(right, 1)
 
     def _jacobian(
         self, columns: FloatArray, changes: FloatArray, wrenches: FloatArray, outputs: FloatArray

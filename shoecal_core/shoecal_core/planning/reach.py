@@ -24,7 +24,7 @@ _PRICES = (1.0, 1.5, 2.0, 2.0)
 
 @dataclass(frozen=True)
 class Loose:
-    """By how much bounds of a posture are widened, each in a measure of its own.
+    """By how much bounds of a posture are widened, each in its own measure; negative: narrowed.
 
     Attributes:
         torque: of what motors may need, by that part of it.

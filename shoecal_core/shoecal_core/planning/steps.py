@@ -120,11 +120,11 @@ class Stepper:
     def _ways(self, foot_pose: FootPose, goal: DoubleSupport) -> list[DoubleSupport]:
         """Where the next step may lead, best first: there at once, or by way of neutral."""
         here = foot_pose.support
-        neutral = DoubleSupport(*map(float, self.planner.legs.robot.support_range.neutral))
         half = DoubleSupport(
             (here.dx + goal.dx) / 2.0, (here.dy + goal.dy) / 2.0, (here.dtheta + goal.dtheta) / 2.0
         )
-        return [via for via in (goal, half, neutral) if not self.arrived(foot_pose, via)]
+        ways = (goal, half, self.planner.legs.robot.neutral)
+        return [via for via in ways if not self.arrived(foot_pose, via)]
 
     def _feet(self, foot_pose: FootPose, via: DoubleSupport) -> tuple[SupportPhase, SupportPhase]:
         """Which foot may carry, best first: the one that has rested, if that is not much longer."""

@@ -19,7 +19,6 @@ from shoecal_core.report.page import Group, KeyFigure, Picture, Section, Table
 from shoecal_core.report.palette import RED
 from shoecal_core.report.quantities import UNKNOWN, number, quantity, size, uncertain
 from shoecal_core.report.screening_parts import left_out_group
-from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.shoe.shoe import FEET
 
 NAMES = {
@@ -87,7 +86,7 @@ def rms(values: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> float:
 def error_pictures(content: CalibrationReport, assessed: Assessment) -> tuple[Picture, ...]:
     """Maps of the CoP's expected error, both feet together and each."""
     robot, shoe = content.robot, content.shoe
-    neutral = DoubleSupport(*(float(value) for value in robot.support_range.neutral))
+    neutral = robot.neutral
     own = [foot_shape(robot, shoe, foot) for foot in (0, 1)]
     both = ErrorMap(
         "both feet together",

@@ -12,6 +12,7 @@ import pinocchio as pin
 
 from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.errors import NameNotFoundError, ShapeError, ShoecalError
+from shoecal_core.robot.double_support import DoubleSupport
 
 GRAVITY = 9.80665
 """Standard acceleration of gravity [m/s^2]."""
@@ -173,6 +174,11 @@ class Robot:
     friction: float = 0.5
     deflection: JointDeflection = JointDeflection()
     tilt_max: float = 0.4
+
+    @property
+    def neutral(self) -> DoubleSupport:
+        """The double support of normal standing."""
+        return DoubleSupport(*map(float, self.support_range.neutral))
 
     @property
     def weight(self) -> float:

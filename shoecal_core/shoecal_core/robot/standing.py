@@ -29,7 +29,7 @@ def check_standing(robot: Robot, fields: Fields) -> None:
     Raises:
         FileError: for overlapping feet, and for soles that do not face the floor.
     """
-    neutral = DoubleSupport(*(float(value) for value in robot.support_range.neutral))
+    neutral = robot.neutral
     if not feet_gap(robot, neutral) > 0.0:
         raise fields.mapping("support_range").error(
             "dy_m.neutral",

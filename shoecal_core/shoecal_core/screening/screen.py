@@ -16,7 +16,7 @@ from shoecal_core.samples.lifting import detect_lifted_foot
 from shoecal_core.samples.stretches import JOIN_S, stretches
 from shoecal_core.screening import findings as words
 from shoecal_core.screening.blocks import blocks
-from shoecal_core.screening.disturbed import FAST_MOTION
+from shoecal_core.screening.disturbed import FAST_MOTIONS
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.findings import of_clock_rate, of_time_offset
 from shoecal_core.screening.result import LeftOut, Screening
@@ -70,7 +70,7 @@ def screen(
     lifting = {
         number: detect_lifted_foot(runs[number].info.motion, one) for number, one in double.items()
     }
-    fast = {number for number in double if runs[number].info.motion == FAST_MOTION}
+    fast = {number for number in double if runs[number].info.motion in FAST_MOTIONS}
     return screen_standing(found, double, lifting, fast, shoe, weight, settings)
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from shoecal_core.arrays import FloatArray, IntArray
-from shoecal_core.planning.standard import PlannedRun
+from shoecal_core.planning.motion_sets import PlannedRun
 from shoecal_core.recording import messages, schemas
 from shoecal_core.recording.info import RunInfo
 from shoecal_core.recording.messages import series

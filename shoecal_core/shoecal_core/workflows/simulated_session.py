@@ -11,10 +11,10 @@ import numpy as np
 
 from shoecal_core.files import write_yaml
 from shoecal_core.planning.motion import Motion
+from shoecal_core.planning.motion_sets import PlannedRun
 from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.posture import UnreachableError
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.standard import PlannedRun
 from shoecal_core.planning.steps import Stepper, require_steps_left
 from shoecal_core.planning.supports.draw import other_supports
 from shoecal_core.progress import Progress

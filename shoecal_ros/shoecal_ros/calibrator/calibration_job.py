@@ -6,16 +6,14 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from shoecal_msgs.action import Calibrate
 
 from shoecal_core.estimation.calibration import Calibration
-from shoecal_core.planning.standard import TEST, TRAIN, PlannedRun, standard_runs
-from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.planning.motion_sets import PlannedRun
 from shoecal_ros.calibrator import job_work
 from shoecal_ros.calibrator.calibrator_base import CalibratorBase
 from shoecal_ros.calibrator.job import Job
-from shoecal_ros.calibrator.job_settings import MOST_SUPPORTS, STANDARD_SET
+from shoecal_ros.calibrator.job_settings import MOST_SUPPORTS
 from shoecal_ros.calibrator.run_series import RunSeries, make_session
 from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.worker import Worker
@@ -74,7 +72,7 @@ class CalibrationJob(Job):
 
     async def _found(self, worker: Worker) -> Calibration:
         runs = await self._draw(worker)
-        # The standard set comes back to a support, to lift each foot.
+        # A set may have more runs than there are double supports, or fewer.
         self.state.supports = len(runs)
         session = await make_session(self.node, self.run_id, self._seed)
         self.session = session.folder
@@ -82,21 +80,16 @@ class CalibrationJob(Job):
         return await self._solve(worker, session.folder)
 
     async def _draw(self, worker: Worker) -> list[PlannedRun]:
-        node, motion = self.node, self.node.job_settings.motion
+        node = self.node
         self.feed("drawing", 0.0, "drawing double supports")
-        supports = await self.worked(
-            worker.do(job_work.draw, node.files, node.planning, self._supports, self._seed),
+        return await self.worked(
+            worker.do(
+                job_work.calibration_runs,
+                node.files, node.planning, node.job_settings.motion,
+                self._supports, self._train, self._seed,
+            ),
             Calibrate.Result.SUPPORT_FAILED,
-        )
-        if motion == STANDARD_SET:
-            neutral = DoubleSupport(*map(float, node.robot.support_range.neutral))
-            return list(standard_runs(supports, neutral))
-        generator = np.random.default_rng([self._seed, 2])
-        training = generator.choice(self._supports, size=self._train, replace=False)
-        return [
-            PlannedRun(support, motion, TRAIN if index in training else TEST)
-            for index, support in enumerate(supports)
-        ]
+        )  # fmt: skip
 
     async def _solve(self, worker: Worker, folder: Path) -> Calibration:
         node = self.node

@@ -11,7 +11,7 @@ from shoecal_msgs.action import Diagnose
 
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import sha256
-from shoecal_core.planning.standard import STANDARD
+from shoecal_core.planning.motion_sets import MOTION_SETS, THOROUGH
 from shoecal_core.recording.errors import SessionError
 from shoecal_core.recording.session import Session
 from shoecal_ros.calibrator import job_work
@@ -78,7 +78,7 @@ class DiagnosisJob(Job):
         self._goal = goal
         self._motions = tuple(goal.motions)
         self._seed = goal.seed if goal.seed >= 0 else settings.seed
-        # Without a session a new one is recorded, without motions the standard set.
+        # Without a session a new one is recorded, without motions the thorough set.
         self._records = self.session is None or bool(self._motions)
         self.moves = self._records or goal.run_proposed
         self._parts, self._part = self._part_lengths(), 0
@@ -209,7 +209,7 @@ class DiagnosisJob(Job):
         """How long each part takes, where a run counts 1: drawing and runs, diagnosis."""
         parts = []
         if self._records:
-            parts += [DRAW_PART, float(len(self._motions) or len(STANDARD))]
+            parts += [DRAW_PART, float(len(self._motions) or len(MOTION_SETS[THOROUGH]))]
         parts.append(DIAGNOSE_PART)
         if self._goal.run_proposed:
             parts += [DRAW_PART, 1.0, DIAGNOSE_PART]

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from shoecal_core.planning.motion_sets import MOTION_SETS, STANDARD
 from shoecal_core.settings import Settings, setting
 
 MOST_SUPPORTS = 100
-STANDARD_SET = "standard"
-"""Name of the set of motions that a self-calibration records by default."""
 
 
 @dataclass(frozen=True)
@@ -19,9 +18,9 @@ class JobSettings(Settings):
     train: int = setting(3, "", "of them used for the fit, the others test it", minimum=2)
     seed: int = setting(1, "", "draws the supports, and which of them train", minimum=0)
     motion: str = setting(
-        STANDARD_SET, "", "what to record: standard (landmarks in both directions, the torso "
-        "lower, each foot lifted once), or one motion of the planner's catalogue in each support, "
-        "as the paper's landmarks",
+        STANDARD, "", "what to record: a set of motions ("
+        + "; ".join(f"{name}: {one.doc}" for name, one in MOTION_SETS.items())
+        + "), or one motion of the planner's catalogue in each support, as the paper's landmarks",
     )  # fmt: skip
     sessions_dir: str = setting(
         "~/.ros/shoecal/sessions",

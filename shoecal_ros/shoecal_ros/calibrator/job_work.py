@@ -7,20 +7,24 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from shoecal_core.diagnosis.possible_motions import stance
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.estimation.calibration import Calibration, save_calibration
 from shoecal_core.files import atomic_write
-from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.standard import (
+from shoecal_core.planning.motion_sets import (
+    MOTION_SETS,
     STANDARD_SUPPORTS,
     TEST,
+    THOROUGH,
     TRAIN,
     PlannedRun,
     listed_runs,
-    standard_runs,
+    set_runs,
 )
+from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.draw import draw_supports
 from shoecal_core.planning.supports.feasible import Feasible
 from shoecal_core.recording.session import RunEntry, Session
@@ -56,12 +60,36 @@ class WrittenDiagnosis:
     separates: tuple[str, ...]
 
 
-def draw(
-    link: Link, files: RobotFiles, settings: PlannerSettings, count: int, seed: int
-) -> list[DoubleSupport]:
-    """The double supports to visit."""
+def calibration_runs(
+    link: Link,
+    files: RobotFiles,
+    settings: PlannerSettings,
+    motion: str,
+    count: int,
+    train: int,
+    seed: int,
+) -> list[PlannedRun]:
+    """What a self-calibration does where.
+
+    Args:
+        link: to the node.
+        files: robot and shoe.
+        settings: of planning.
+        motion: a set of motions, or one motion of the planner's catalogue for each support.
+        count: double supports to draw.
+        train: of them that one motion trains in; a set says that itself.
+        seed: draws the double supports, and which of them train.
+    """
     del link
-    return draw_supports(files.load_robot(), files.load_shoe(), settings, count, seed)
+    robot, shoe = files.load_robot(), files.load_shoe()
+    supports = draw_supports(robot, shoe, settings, count, seed)
+    if motion in MOTION_SETS:
+        return list(set_runs(motion, supports, robot.neutral))
+    training = np.random.default_rng([seed, 2]).choice(count, size=train, replace=False)
+    return [
+        PlannedRun(support, motion, TRAIN if index in training else TEST)
+        for index, support in enumerate(supports)
+    ]
 
 
 def solve(
@@ -107,7 +135,7 @@ def runs_to_record(
         link: to the node.
         files: robot and shoe.
         settings: of planning.
-        motions: of the planner's catalogue or proposed; none: the standard set.
+        motions: of the planner's catalogue or proposed; none: the thorough set.
         seed: draws the double supports.
         session: to add to: what is added trains, in the double supports that are there already.
             Of a new one the last quarter tests.
@@ -117,9 +145,8 @@ def runs_to_record(
     entries = () if session is None else Session.open(session).runs
     so_far = _supports(entries)
     if not motions:
-        neutral = DoubleSupport(*map(float, robot.support_range.neutral))
         drawn = draw_supports(robot, shoe, settings, STANDARD_SUPPORTS, seed)
-        return list(standard_runs(drawn, neutral))
+        return list(set_runs(THOROUGH, drawn, robot.neutral))
     count = min(len(motions), STANDARD_SUPPORTS)
     places = so_far or draw_supports(robot, shoe, settings, count, seed)
     runs = listed_runs(places, [planned_as(name) for name in motions])

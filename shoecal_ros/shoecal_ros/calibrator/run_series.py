@@ -11,7 +11,7 @@ from shoecal_msgs.action import Plan, ReachSupport
 
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import system_error
-from shoecal_core.planning.standard import PlannedRun
+from shoecal_core.planning.motion_sets import PlannedRun
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_ros.calibrator.calibrator_base import PLAN_ACTION, REACH_ACTION, CalibratorBase

@@ -19,12 +19,13 @@ from blind.unknown_laws import FUNCTIONS
 from blind.unknowns import KINDS
 from blind.world import AS_BUILT, write_reality
 from shoecal_core.arrays import FloatArray
-from shoecal_core.planning.standard import STANDARD
+from shoecal_core.planning.motion_sets import MOTION_SETS, THOROUGH
 from shoecal_core.simulation.effects.registry import EFFECTS as SIMULATED
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.workspace import config_dir
 
-DURATIONS = {101: (30.0,) * len(STANDARD), 102: (20.0,) * len(STANDARD)}
+RUNS = MOTION_SETS[THOROUGH].runs
+DURATIONS = {101: (30.0,) * len(RUNS), 102: (20.0,) * len(RUNS)}
 
 
 @pytest.fixture(scope="module")

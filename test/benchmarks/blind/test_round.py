@@ -17,17 +17,19 @@ from blind.generate import make_sets
 from blind.layout import ROOT, Round
 from blind.score import score
 from blind.submit import Submission, submit
-from shoecal_core.planning.standard import STANDARD, TEST, PlannedRun, standard_runs
+from shoecal_core.planning.motion_sets import MOTION_SETS, TEST, THOROUGH, PlannedRun, set_runs
 from shoecal_core.recording.session import TRUTH, Session
 from shoecal_core.robot.double_support import DoubleSupport
 
 MOTIONS = 1
 SHORT = (0, 1, 2, 5)
-"""Of the standard set: three runs to train, one to test."""
+"""Of the thorough set: three runs to train, one to test."""
 
 
-def _short(supports: Sequence[DoubleSupport], neutral: DoubleSupport) -> tuple[PlannedRun, ...]:
-    runs = standard_runs(supports, neutral)
+def _short(
+    name: str, supports: Sequence[DoubleSupport], neutral: DoubleSupport
+) -> tuple[PlannedRun, ...]:
+    runs = set_runs(name, supports, neutral)
     return tuple(runs[index] for index in SHORT)
 
 
@@ -35,13 +37,13 @@ def _short(supports: Sequence[DoubleSupport], neutral: DoubleSupport) -> tuple[P
 def test_a_small_round(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(motions, "POOL", tmp_path / "pool")
     # Few motions: the test is of the way, not of the diagnosis.
-    monkeypatch.setattr(motions, "standard_runs", _short)
+    monkeypatch.setattr(motions, "set_runs", _short)
     place = Round(tmp_path / "round")
     answers = [
         dataclasses.replace(one, order=tuple(range(len(SHORT))))
-        for one in compose(5, Mix(1, 1, 0, 0), {MOTIONS: [30.0] * len(STANDARD)})
+        for one in compose(5, Mix(1, 1, 0, 0), {MOTIONS: [30.0] * len(MOTION_SETS[THOROUGH])})
     ]
-    motions.standard_set(MOTIONS)
+    motions.planned_set(MOTIONS)
     digest = seal(place, answers)
     # In this process: its motions are not those of the benchmark.
     make_sets(place, 1)

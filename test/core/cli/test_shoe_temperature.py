@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from core.simulation.worlds import DEFAULT, World, load_world
-from shoecal_core.planning.standard import PlannedRun
+from shoecal_core.planning.motion_sets import PlannedRun
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.double_support import DoubleSupport

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from core.cli.conftest import Run
 from shoecal_core import cli
-from shoecal_core.planning.standard import STANDARD, UNLOADING
+from shoecal_core.planning.motion_sets import MOTION_SETS, STANDARD, UNLOADING
 from shoecal_core.recording import schemas
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.truth import read_truth
@@ -51,9 +51,7 @@ def standard(tmp_path_factory: pytest.TempPathFactory) -> Session:
 
 def test_the_standard_set_is_marked_and_tests_stand_elsewhere(standard: Session) -> None:
     runs = standard.runs
-    assert [(run.info.motion, run.hint) for run in runs] == [
-        (one.motion, one.hint) for one in STANDARD
-    ]
+    assert tuple((run.info.motion, run.hint) for run in runs) == MOTION_SETS[STANDARD].runs
     places = {
         hint: {
             run.info.support
@@ -62,11 +60,11 @@ def test_the_standard_set_is_marked_and_tests_stand_elsewhere(standard: Session)
         }
         for hint in ("train", "test")
     }
-    assert len(places["train"]) == 3
+    assert len(places["train"]) == 2
     assert len(places["test"]) == 2
     assert not places["train"] & places["test"]
     yaws = [support.dtheta for support in places["train"] | places["test"] if support]
-    assert len(set(yaws)) == 5
+    assert len(set(yaws)) == 4
 
 
 def test_an_unloaded_foot_carries_nothing_for_a_while(standard: Session) -> None:

@@ -55,14 +55,16 @@ def by_draws(model: ErrorModel, outputs: FloatArray, which: int) -> tuple[FloatA
         )
         columns = model.shoe.columns + np.tensordot(off[2 * count :], model.shoe_columns, 1)
         feet = foot_wrenches(model.shoe.with_columns(columns), law.outputs(readings))
-        wrench = combined(feet, model.neutral) if which == 0 else feet[:, which - 1]
+        wrench = combined(feet, model.robot.neutral) if which == 0 else feet[:, which - 1]
         grf.append(wrench[:, 0])
         places.append(cop(wrench, 1.0))
     return np.std(grf, axis=0) / SMALL, np.std(places, axis=0) / SMALL
 
 
 def spread(model: ErrorModel, outputs: FloatArray, which: int) -> Spread:
-    return model.both_feet(outputs, model.neutral) if which == 0 else model.foot(outputs, which - 1)
+    if which == 0:
+        return model.both_feet(outputs, model.robot.neutral)
+    return model.foot(outputs, which - 1)
 
 
 @pytest.mark.parametrize("which", range(3))
@@ -74,7 +76,7 @@ def test_channels_and_shoe_spread_grf_and_cop_as_foretold(model: ErrorModel, whi
     np.testing.assert_allclose(found.grf, grf, rtol=WITHIN)
     np.testing.assert_allclose(found.cop, places, rtol=WITHIN)
     feet = foot_wrenches(model.shoe, outputs)
-    wrench = combined(feet, model.neutral) if which == 0 else feet[:, which - 1]
+    wrench = combined(feet, model.robot.neutral) if which == 0 else feet[:, which - 1]
     np.testing.assert_allclose(found.places, cop(wrench, 1.0))
 
 
@@ -83,7 +85,7 @@ def test_where_the_right_foot_stands_moves_the_cop_of_both_feet(model: ErrorMode
     rng = np.random.default_rng(4)
     root = np.array([[2e-4, 0.0, 0.0], [1e-4, 2e-4, 0.0], [1e-3, -1e-3, 2e-3]])
     placed = replace(model, support_covariance=root @ root.T)
-    outputs, place = loads(model, 0), model.neutral
+    outputs, place = loads(model, 0), model.robot.neutral
     feet = foot_wrenches(model.shoe, outputs)
     found = []
     for _ in range(DRAWS):
@@ -108,7 +110,8 @@ def test_sideways_forces_move_each_foot_and_not_both(model: ErrorModel) -> None:
         np.testing.assert_allclose(np.sqrt(more), np.stack((moved, moved), axis=1), rtol=1e-6)
     outputs = loads(model, 0)
     np.testing.assert_array_equal(
-        pushed.both_feet(outputs, model.neutral).cop, model.both_feet(outputs, model.neutral).cop
+        pushed.both_feet(outputs, model.robot.neutral).cop,
+        model.both_feet(outputs, model.robot.neutral).cop,
     )
 
 
@@ -116,7 +119,7 @@ def test_a_weight_that_is_off_scales_the_grf_alone(model: ErrorModel) -> None:
     mass_std = 0.01 * model.robot.mass
     weighed = replace(model, robot=replace(model.robot, mass_std=mass_std))
     outputs = loads(model, 0)
-    before, after = (one.both_feet(outputs, model.neutral) for one in (model, weighed))
+    before, after = (one.both_feet(outputs, model.robot.neutral) for one in (model, weighed))
     more = np.sqrt(after.grf**2 - before.grf**2)
     np.testing.assert_allclose(more, 0.01 * model.robot.weight, rtol=1e-3)
     np.testing.assert_array_equal(after.cop, before.cop)

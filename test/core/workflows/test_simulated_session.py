@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from core.simulation.worlds import DEFAULT, load_world
+from shoecal_core.planning.motion_sets import PlannedRun
 from shoecal_core.planning.posture import UnreachableError
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.standard import PlannedRun
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.workflows.simulated_session import SimulationPlan, simulate_session

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from ros.bodies import NAO, NAO_SHOE, nao
+from shoecal_core.planning.motion_sets import MOTION_SETS, THOROUGH, PlannedRun
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.standard import STANDARD, PlannedRun
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_ros.calibrator import job_work
@@ -32,9 +32,9 @@ def session(tmp_path: Path) -> Path:
     return made.folder
 
 
-def test_without_motions_it_is_the_standard_set() -> None:
+def test_without_motions_it_is_the_thorough_set() -> None:
     found = runs(())
-    assert [(run.motion, run.hint) for run in found] == [(one.motion, one.hint) for one in STANDARD]
+    assert tuple((run.motion, run.hint) for run in found) == MOTION_SETS[THOROUGH].runs
 
 
 @pytest.mark.parametrize(

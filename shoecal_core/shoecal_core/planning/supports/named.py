@@ -72,13 +72,13 @@ def named_support(name: str, feasible: Feasible) -> DoubleSupport:
     if name not in NAMED:
         raise NameNotFoundError("stance", name, tuple(NAMED))
     most, settings = NAMED[name].most, feasible.settings
-    neutral = feasible.robot.support_range.neutral
+    neutral = feasible.robot.neutral
     if most is None:
-        return DoubleSupport(*map(float, neutral))
+        return neutral
 
     def away(support: DoubleSupport) -> float:
-        way = np.array([support.dx - neutral[0], support.dy - neutral[1]])
-        return float(feet_distance(way, support.dtheta - neutral[2], settings))
+        way = np.array([support.dx - neutral.dx, support.dy - neutral.dy])
+        return float(feet_distance(way, support.dtheta - neutral.dtheta, settings))
 
     alike: defaultdict[float, list[DoubleSupport]] = defaultdict(list)
     for support in feasible.apart():

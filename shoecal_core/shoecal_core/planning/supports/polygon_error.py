@@ -9,7 +9,6 @@ import shapely
 
 from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.landmarks import sensing_hull
-from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.expected_error import expected_error
 from shoecal_core.shoe.load_cases import double_support_outputs, single_support_outputs
@@ -92,7 +91,7 @@ def polygon_error(
         """Readings (..., n) of outputs (..., n), in the channels' units."""
         return outputs if parameters is None else (outputs - parameters.offset) / parameters.gain
 
-    support = DoubleSupport(*(float(value) for value in robot.support_range.neutral))
+    support = robot.neutral
     places = places_over(np.array(sensing_hull(robot, support).exterior.coords))
     outputs = double_support_outputs(shoe, support, robot.weight, places)
     both = expected_error(shoe, support, outputs, readings(outputs), covariance)

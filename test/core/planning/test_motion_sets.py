@@ -1,7 +1,5 @@
 from __future__ import annotations
 
-from collections import Counter
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -9,13 +7,15 @@ from hypothesis import strategies as st
 
 from shoecal_core.errors import NameNotFoundError, ShoecalError
 from shoecal_core.planning.motion_catalogue import MOTION_KINDS
-from shoecal_core.planning.standard import (
+from shoecal_core.planning.motion_sets import (
+    MOTION_SETS,
     STANDARD,
     STANDARD_SUPPORTS,
+    THOROUGH,
     UNLOADING,
     PlannedRun,
     listed_runs,
-    standard_runs,
+    set_runs,
 )
 from shoecal_core.robot.double_support import DoubleSupport
 
@@ -29,40 +29,44 @@ def at(yaw: float) -> DoubleSupport:
 NEUTRAL = DoubleSupport(0.0, -0.1, 0.0)
 
 
-def drawn(supports: list[DoubleSupport]) -> list[PlannedRun]:
-    """The standard set without what is done in the neutral support."""
-    runs = standard_runs(supports, NEUTRAL)
+def drawn(name: str, supports: list[DoubleSupport]) -> list[PlannedRun]:
+    """A set without what is done in the neutral support."""
+    runs = set_runs(name, supports, NEUTRAL)
     return [run for run in runs if run.motion not in UNLOADING]
 
 
-def test_the_set_is_what_a_diagnosis_asks_for() -> None:
-    wanted = Counter({"train": 5, "test": 2})
-    assert Counter(one.hint for one in STANDARD) == wanted
-    assert {one.motion for one in STANDARD} <= set(MOTION_KINDS)
-    assert {one.motion for one in STANDARD if one.hint == "test"} == {"landmarks", "reversed"}
+@pytest.mark.parametrize("name", MOTION_SETS)
+def test_sets_are_of_the_catalogue_and_test_what_they_do_not_train(name: str) -> None:
+    one = MOTION_SETS[name]
+    assert {*one.train, *one.test} <= set(MOTION_KINDS)
+    assert set(one.train) >= set(UNLOADING)
+    assert one.test
+    assert len(one.runs) == len(one)
 
 
-@given(yaws)
-def test_every_motion_is_done_once_and_every_support_is_visited(found: list[float]) -> None:
+@pytest.mark.parametrize("name", MOTION_SETS)
+@given(found=yaws)
+def test_every_motion_is_done_once_and_every_support_is_visited(
+    name: str, found: list[float]
+) -> None:
     supports = [at(yaw) for yaw in found]
-    runs = standard_runs(supports, NEUTRAL)
-    assert [(run.motion, run.hint) for run in runs] == [(one.motion, one.hint) for one in STANDARD]
-    unloading = {run.support for run in runs if run.motion in UNLOADING}
-    assert unloading == {NEUTRAL}
-    runs = tuple(run for run in runs if run.motion not in UNLOADING)
-    assert {run.support for run in runs} <= set(supports)
-    if len(supports) <= STANDARD_SUPPORTS:
-        assert {run.support for run in runs} == set(supports)
+    runs = set_runs(name, supports, NEUTRAL)
+    assert tuple((run.motion, run.hint) for run in runs) == MOTION_SETS[name].runs
+    assert {run.support for run in runs if run.motion in UNLOADING} == {NEUTRAL}
+    elsewhere = {run.support for run in drawn(name, supports)}
+    assert elsewhere <= set(supports)
+    if name == THOROUGH and len(supports) <= STANDARD_SUPPORTS:
+        assert elsewhere == set(supports)
 
 
 @given(yaws.filter(lambda found: len(found) > 3))
 def test_tests_stand_where_nothing_was_trained_within_the_trained_yaws(found: list[float]) -> None:
-    runs = drawn([at(yaw) for yaw in found])
+    runs = drawn(THOROUGH, [at(yaw) for yaw in found])
     trained, tested = (
         {run.support for run in runs if run.hint == hint} for hint in ("train", "test")
     )
     assert not trained & tested
-    assert len(trained) >= 3
+    assert len(trained) == 3
     assert len(tested) == min(2, len(found) - 3)
     if len(found) <= STANDARD_SUPPORTS:
         lowest, highest = np.sort([support.dtheta for support in trained])[[0, -1]]
@@ -71,7 +75,8 @@ def test_tests_stand_where_nothing_was_trained_within_the_trained_yaws(found: li
 
 def test_with_few_supports_no_motion_is_tested_where_it_was_trained() -> None:
     for count in (2, 3):
-        runs = drawn([at(0.1 * index) for index in range(count)])
+        supports = [at(0.1 * index) for index in range(count)]
+        runs = drawn(THOROUGH, supports)
         done = {(run.motion, run.support) for run in runs}
         assert len(done) == len(runs)
 
@@ -94,4 +99,4 @@ def test_wrong_lists_are_refused() -> None:
     with pytest.raises(ShoecalError, match="give at least one"):
         listed_runs([], ["hold"])
     with pytest.raises(ShoecalError, match="give at least one"):
-        standard_runs([], NEUTRAL)
+        set_runs(STANDARD, [], NEUTRAL)

@@ -1,9 +1,9 @@
-"""The standard set of motions: which motion in which double support, what for."""
+"""Sets of motions by name: which motion in which double support, to train or to test."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from shoecal_core.errors import ShoecalError
@@ -16,32 +16,50 @@ UNLOADING = ("unload_left", "unload_right")
 
 
 @dataclass(frozen=True)
-class StandardMotion:
-    """One run of the standard set.
+class MotionSet:
+    """Motions that are recorded as one session, a run each.
 
     Attributes:
-        motion: name in the motion catalogue.
-        hint: whether the run is meant to train or to test.
+        doc: what it is for, for people.
+        train: names in the motion catalogue, of the runs that are fitted.
+        test: of the runs that test the fit.
     """
 
-    motion: str
-    hint: str
+    doc: str
+    train: tuple[str, ...]
+    test: tuple[str, ...] = ("landmarks", "reversed")
+
+    def __len__(self) -> int:
+        return len(self.train) + len(self.test)
+
+    @property
+    def runs(self) -> tuple[tuple[str, str], ...]:
+        """Motion and hint of each run."""
+        return tuple((motion, hint) for hint, motions in self._by_hint for motion in motions)
+
+    @property
+    def _by_hint(self) -> tuple[tuple[str, tuple[str, ...]], ...]:
+        return (TRAIN, self.train), (TEST, self.test)
 
 
-STANDARD = (
-    StandardMotion("landmarks", TRAIN),
-    StandardMotion("reversed", TRAIN),
-    StandardMotion("torso_height", TRAIN),
-    StandardMotion("unload_left", TRAIN),
-    StandardMotion("unload_right", TRAIN),
-    StandardMotion("landmarks", TEST),
-    StandardMotion("reversed", TEST),
-)
-"""Of a calibration and of a diagnosis: both directions, two heights of the torso, and each foot
-without load once. Fast motions jolt the robot and teach gains nothing."""
+STANDARD, THOROUGH = "standard", "thorough"
+MOTION_SETS: Mapping[str, MotionSet] = {
+    # A minute of motion: as accurate as both directions, two heights and twice the time within
+    # 0.05 mm. Unloading in another double support than the neutral one costs 0.1 mm.
+    STANDARD: MotionSet(
+        "for a calibration: round the landmarks twice as fast, each foot lifted once",
+        ("faster", "faster_reversed", "unload_left", "unload_right"),
+    ),
+    # Effects of joints and links show by direction and height; a calibration needs neither.
+    THOROUGH: MotionSet(
+        "for a diagnosis: both directions, two heights of the torso, each foot lifted once",
+        ("landmarks", "reversed", "torso_height", "unload_left", "unload_right"),
+    ),
+}
+"""By name. Both test slowly and where nothing was trained, so that their errors compare."""
 
 STANDARD_SUPPORTS = 5
-"""Double supports of the standard set: three to train in, two to test in."""
+"""Double supports of a set: three to train in, two to test in."""
 _TRAIN_SUPPORTS = 3
 """Fewer do not fix every direction of gains and offsets."""
 
@@ -61,17 +79,19 @@ class PlannedRun:
     hint: str = ""
 
 
-def standard_runs(
-    supports: Sequence[DoubleSupport], neutral: DoubleSupport
+def set_runs(
+    name: str, supports: Sequence[DoubleSupport], neutral: DoubleSupport
 ) -> tuple[PlannedRun, ...]:
-    """The standard set in double supports, as it is recorded.
+    """A set of motions in double supports, as it is recorded.
 
     Training and testing take turns from yaw to yaw: runs to train begin and end the range of yaw
     between the feet, and a run to test stands where no other does, in between. Fewer than four
     double supports leave none for tests alone: those are then shared, with other motions. Each foot
-    is unloaded in the neutral support: there any robot can stand on one foot that can do so at all.
+    is unloaded in the neutral support: there any robot can stand on one foot that can do so at all,
+    and its motors and joints give least.
 
     Args:
+        name: in MOTION_SETS.
         supports: double supports that differ in yaw; STANDARD_SUPPORTS of them are best.
         neutral: as in normal standing.
 
@@ -80,17 +100,20 @@ def standard_runs(
     """
     _require(supports)
     tested = _test_supports(supports)
-    trained = [support for support in supports if support not in tested]
+    # The ends of the yaw's range first: a set may have fewer motions than there are supports.
+    yaws = sorted(support.dtheta for support in supports)
+    trained = sorted(
+        (support for support in supports if support not in tested),
+        key=lambda support: support.dtheta not in (yaws[0], yaws[-1]),
+    )
     # Where both share them, tests move on by one, so that each meets another motion's support.
     places = {
         TRAIN: itertools.cycle(trained),
         TEST: itertools.cycle(tested or [*trained[1:], trained[0]]),
     }
     return tuple(
-        PlannedRun(
-            neutral if one.motion in UNLOADING else next(places[one.hint]), one.motion, one.hint
-        )
-        for one in STANDARD
+        PlannedRun(neutral if motion in UNLOADING else next(places[hint]), motion, hint)
+        for motion, hint in MOTION_SETS[name].runs
     )
 
 
