@@ -15,6 +15,8 @@ from shoecal_core.diagnosis.selection import (
     Selection,
     added_evidence,
     fit_without,
+    over_all_runs,
+    select,
     taken,
     without,
 )
@@ -49,6 +51,10 @@ CLAIMED = 0.5
 SURELY = 3.0
 """Excess on runs left out from which something is wrong, whatever the others showed: errors twice
 as large as expected."""
+
+
+TRIES = 3
+"""Explanations that are held against runs left out: who is refuted so often has none."""
 
 
 @dataclass(frozen=True)
@@ -139,6 +145,31 @@ def confirmed(
             left, others = confirmed(workspace, left, settings)
             return left, (f"{hypothesis.label}: {why}: not named", *others)
     return found, ()
+
+
+def first_confirmed(
+    workspace: Workspace, settings: DiagnosisSettings
+) -> tuple[Selection, tuple[str, ...]]:
+    """The most probable explanation that runs left out confirm; and in words which they do not.
+
+    Where they confirm none, the ranking is that of all hypotheses.
+    """
+    singles = over_all_runs(workspace, None)
+    first: Selection | None = None
+    denied: dict[str, None] = {}
+    for _ in range(TRIES):
+        found = select(workspace, settings, singles)
+        named, reasons = confirmed(workspace, found, settings)
+        denied |= dict.fromkeys(reasons)
+        if named.chosen is not None:
+            return named, tuple(denied)
+        first = first or named
+        if found.chosen is None:
+            break
+        refuted = [hypothesis for hypothesis, _ in found.chosen.parts]
+        singles = [one for one in singles if not any(one.part[0] is each for each in refuted)]
+    assert first is not None
+    return first, tuple(denied)
 
 
 def _shown_by_test_runs(workspace: Workspace, form: Form) -> bool:

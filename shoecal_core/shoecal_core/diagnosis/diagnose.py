@@ -6,16 +6,17 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from shoecal_core.diagnosis.action import action
-from shoecal_core.diagnosis.answer import answer, causes_of, confirmed
+from shoecal_core.diagnosis.answer import causes_of, confirmed, first_confirmed
 from shoecal_core.diagnosis.baseline import first_parameters
 from shoecal_core.diagnosis.budget import budget
+from shoecal_core.diagnosis.built_worse import answer_as_built
 from shoecal_core.diagnosis.dissent import less_probable, worse_runs
 from shoecal_core.diagnosis.evidence import evidence
 from shoecal_core.diagnosis.measured import MeasuredBefore, at_zeros, measure
 from shoecal_core.diagnosis.next_motion import propose
 from shoecal_core.diagnosis.preflight import preflight
 from shoecal_core.diagnosis.result import Diagnosis
-from shoecal_core.diagnosis.selection import Selection, asked_for, over_all_runs, select
+from shoecal_core.diagnosis.selection import Selection, asked_for
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.shaking import shaking
 from shoecal_core.diagnosis.shrink import gap, shrink
@@ -35,8 +36,6 @@ from shoecal_core.recording.session import Session
 from shoecal_core.recording.train_test import split_runs
 from shoecal_core.screening.settings import CalibrationSettings
 
-TRIES = 3
-"""Explanations that are held against runs left out: who is refuted so often has none."""
 SHOWN = 20
 """Hypotheses that a ranking lists."""
 
@@ -143,7 +142,7 @@ def diagnose(
         *(() if swap is None else (swap.cause(corrected.explained(None)[0]),)),
         *weak_cells(best, wanted),
     ]
-    said = answer(best, certain, named, settings)
+    best, said, built = answer_as_built(searched, certain, named, settings)
     if only is not None and not certain:
         # For who asks how an effect would do, though nothing may confirm it.
         asked = searched.at(found.stands(searched.scorer, settings))
@@ -167,7 +166,7 @@ def diagnose(
         next_motion=propose(said.ambiguity),
         train=train,
         test=test,
-        notes=(*samples.notes, *shaking(best.signal_model)),
+        notes=(*samples.notes, *shaking(best.signal_model), *built),
         robot=samples.robot.name,
         shoe=samples.shoe.name,
         evidence=evidence(best, chosen, [one.scored for one in found.singles]),
@@ -184,37 +183,12 @@ def _found(
 ) -> tuple[Selection, Selection, tuple[str, ...]]:
     """What is shown, what of it is named, and in words what is not."""
     if not asked:
-        named, denied = _first_confirmed(best, settings)
+        named, denied = first_confirmed(best, settings)
         return named, named, denied
     shown = asked_for(best)
     named, denied = confirmed(best, shown, settings)
     # What was not needed is no evidence that anything is there.
     return shown, replace(named, unmodelled=shown.unmodelled), denied
-
-
-def _first_confirmed(
-    workspace: Workspace, settings: DiagnosisSettings
-) -> tuple[Selection, tuple[str, ...]]:
-    """The most probable explanation that runs left out confirm; and in words which they do not.
-
-    Where they confirm none, the ranking is that of all hypotheses.
-    """
-    singles = over_all_runs(workspace, None)
-    first: Selection | None = None
-    denied: dict[str, None] = {}
-    for _ in range(TRIES):
-        found = select(workspace, settings, singles)
-        named, reasons = confirmed(workspace, found, settings)
-        denied |= dict.fromkeys(reasons)
-        if named.chosen is not None:
-            return named, tuple(denied)
-        first = first or named
-        if found.chosen is None:
-            break
-        refuted = [hypothesis for hypothesis, _ in found.chosen.parts]
-        singles = [one for one in singles if not any(one.part[0] is each for each in refuted)]
-    assert first is not None
-    return first, tuple(denied)
 
 
 def _stuck_cell(workspace: Workspace, wanted: Callable[[str, Place], bool]) -> StuckChannel | None:

@@ -53,6 +53,8 @@ LEAST_LEVEL, FIRST_LEVEL = 0.05, 1.5
 FORM_LEVELS = (1.0, 0.5, 0.25, 0.12)
 """Of each signal, factors on what tolerance errors add to it in another form; their logarithms have
 a normal prior of unit deviation."""
+WORSE_FORM_LEVELS = (3.0, 2.0, 1.4, *FORM_LEVELS)
+"""The same of a robot that may be built worse than its tolerances say."""
 MODEL_LEVELS = (1.0, 0.5, 0.25, 0.12)
 """Of what a model lacks in a signal, over the usual; with a log-normal prior of unit deviation."""
 BODILESS = frozenset((GRF.start, *range(AIR.start, AIR.stop), *range(PARITY.start, PARITY.stop)))
@@ -209,10 +211,18 @@ class Scorer:
     Args:
         rows: what is fitted. channels: of the shoes.
         withheld: rows of the runs left out, if any are to be predicted.
+        form_levels: of tolerance errors' forms, in signals that depend on the body.
     """
 
-    def __init__(self, rows: Rows, channels: int, withheld: Rows | None = None) -> None:
+    def __init__(
+        self,
+        rows: Rows,
+        channels: int,
+        withheld: Rows | None = None,
+        form_levels: tuple[float, ...] = FORM_LEVELS,
+    ) -> None:
         self.rows, self.channels, self.withheld = rows, channels, withheld
+        self.form_levels = form_levels
         self.basis = make_basis(rows, 2 * channels, withheld)
         found = self._nothing(unmodelled=False)
         self._base_evidence = found.evidence
@@ -356,7 +366,10 @@ class Scorer:
             here = rows.signal == signal
             squares, count, most = power[here], rows.count[here], rows.most[here]
             models = MODEL_LEVELS if signal in BODILESS else MODEL_LEVELS[:1]
-            form, model = _grid(models, UNMODELLED_LEVELS if unmodelled else ())
+            beyond = UNMODELLED_LEVELS if unmodelled else ()
+            # What gears, links and plates do in whatever form, they leave the weight as it is.
+            forms = FORM_LEVELS if signal in BODILESS else self.form_levels
+            form, model = _grid(forms, (*models, *beyond))
             usual = np.minimum(model, 1.0)
             expected = rows.noise[here] + form**2 * rows.form[here] + usual**2 * lacking[here]
             more = np.where(model > 1.0, model, 0.0)
@@ -475,9 +488,9 @@ def _level_cost(levels: FloatArray) -> float:
 
 
 @cache
-def _grid(models: Sequence[float], unmodelled: Sequence[float]) -> tuple[FloatArray, FloatArray]:
+def _grid(forms: Sequence[float], models: Sequence[float]) -> tuple[FloatArray, FloatArray]:
     """(L, 1) each, of all pairs: levels of forms, and of what the model lacks."""
-    pairs = np.array(list(itertools.product(FORM_LEVELS, (*models, *unmodelled))))
+    pairs = np.array(list(itertools.product(forms, models)))
     return pairs[:, :1], pairs[:, 1:]
 
 

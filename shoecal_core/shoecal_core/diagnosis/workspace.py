@@ -13,7 +13,7 @@ from shoecal_core.diagnosis.baseline import coarse_noise, fit_baseline
 from shoecal_core.diagnosis.hypotheses import Catalogue, make_catalogue
 from shoecal_core.diagnosis.prediction import log_predictive, within_tolerance
 from shoecal_core.diagnosis.rows import make_rows, transformed
-from shoecal_core.diagnosis.scoring import Scored, Scorer
+from shoecal_core.diagnosis.scoring import WORSE_FORM_LEVELS, Scored, Scorer
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources.as_built import as_built
 from shoecal_core.error_sources.base import Effect, Place
@@ -61,6 +61,14 @@ class Workspace:
         """With tolerance errors as an explanation leaves them."""
         found = replace(self, built=scored)
         # What does not hang on them stays.
+        found.__dict__.update(_fitter=self._fitter, left_of_errors=self.left_of_errors)
+        return found
+
+    def built_worse(self) -> Workspace:
+        """The same for a robot that may be built worse than its tolerances say."""
+        own = self.scorer
+        scorer = Scorer(own.rows, own.channels, own.withheld, WORSE_FORM_LEVELS)
+        found = replace(self, scorer=scorer, built=scorer.nothing)
         found.__dict__.update(_fitter=self._fitter, left_of_errors=self.left_of_errors)
         return found
 

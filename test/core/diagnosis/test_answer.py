@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from core.diagnosis.drawn import Urn, part
-from shoecal_core.diagnosis import diagnose as diagnose_module
+from shoecal_core.diagnosis import answer as answer_module
 from shoecal_core.diagnosis.answer import (
     EXPLAINED_FROM,
     Answer,
@@ -150,9 +150,9 @@ def test_the_next_one_is_named_where_test_runs_refute_the_first(
             (part(drawn, "link_com (Neck_link)"), SURE),
         )
     )
-    monkeypatch.setattr(diagnose_module, "over_all_runs", lambda *_: [wrong, true])
+    monkeypatch.setattr(answer_module, "over_all_runs", lambda *_: [wrong, true])
     settings = replace(SETTINGS, causes_max=1, material_m=0.0)
-    named, words = diagnose_module._first_confirmed(drawn, settings)
+    named, words = answer_module.first_confirmed(drawn, settings)
     assert named.chosen is not None
     assert named.chosen.parts[0][0] is true.part[0]
     assert len(words) == 1
