@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -177,7 +177,7 @@ def slipping(
     return dataclasses.replace(truth, run=run, onset=onset, size={**truth.size, "time": onset})
 
 
-def _without(answer: Answer, motions: frozenset[str]) -> Answer:
+def _without(answer: Answer, motions: Collection[str]) -> Answer:
     """The same with some motions not recorded."""
     kept = tuple(index for index in answer.order if _RUNS[index][0] not in motions)
     return dataclasses.replace(answer, order=kept)

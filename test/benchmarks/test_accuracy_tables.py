@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from accuracy_results import REFUSED, Result
-from accuracy_sessions import PAPER, STANDARD, Case
+from accuracy_sessions import PAPER, Case
 from accuracy_tables import grouped, inside, tables
 from held import WHAT, Held
 from shoecal_core.estimation.series import Errors, Mae
