@@ -10,6 +10,7 @@ from accuracy_sessions import PAPER, Case
 from accuracy_tables import grouped, inside, tables
 from held import WHAT, Held
 from shoecal_core.estimation.series import Errors, Mae
+from shoecal_core.planning.motion_sets import STANDARD
 
 
 def result(seed: int, cop: float, ratio: float, gain: float, motions: str = STANDARD) -> Result:
