@@ -36,8 +36,8 @@ SIGNALS: Mapping[str, str] = {
 MOTIONS: Mapping[str, str] = {
     "landmarks": "move the CoP from landmark to landmark, counter-clockwise",
     "reversed": "move the CoP from landmark to landmark the other way round",
-    "faster": "move the CoP from landmark to landmark twice as fast",
-    "faster_reversed": "move the CoP from landmark to landmark the other way, twice as fast",
+    "faster": "move the CoP from landmark to landmark 1.8 times as fast",
+    "faster_reversed": "move the CoP from landmark to landmark the other way, 1.8 times as fast",
     "hold": "stand still for a while at each landmark",
     "unload_left": "lift the left foot a little, for a moment",
     "unload_right": "lift the right foot a little, for a moment",

@@ -16,7 +16,7 @@ from shoecal_core.screening.noise import spread
 from shoecal_core.screening.settings import CalibrationSettings
 
 FAST_MOTIONS = ("faster", "faster_reversed")
-"""Twice the usual speed makes every gear strike where it turns: that is no fault."""
+"""Almost twice the usual speed makes every gear strike where it turns: that is no fault."""
 SMOOTHING_S = 0.05
 SLOW_S = 2.0
 """What lasts longer is slow."""

@@ -16,6 +16,9 @@ from shoecal_core.simulation.joint_sensors import JointReadings
 from shoecal_core.simulation.robot import SimulatedRobot
 from shoecal_core.simulation.snapshot import stack
 
+HOLD_S = 0.5
+"""A run stands still for so long before and after its motion, as the calibrator's `lead_s`."""
+
 
 @dataclass(frozen=True)
 class SimulatedSamples:
@@ -47,7 +50,7 @@ def run(
     trajectory: JointTrajectory,
     rate: float,
     *,
-    hold: float = 0.5,
+    hold: float = HOLD_S,
     disturbances: Sequence[Disturbance] = (),
 ) -> SimulatedSamples:
     """Let the robot follow a trajectory, standing still before and after it: one run.

@@ -26,7 +26,7 @@ from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.simulation.reality import PlantVariation
 from shoecal_core.simulation.robot import SimulatedRobot
 from shoecal_core.simulation.sampled_robot import draw
-from shoecal_core.simulation.samples import run
+from shoecal_core.simulation.samples import HOLD_S, run
 from shoecal_core.workflows.simulated_recording import record_run
 
 SETTLE_S = 1.0
@@ -84,7 +84,6 @@ def take(simulated: SimulatedRobot, motion: Motion, watch: Watch = lambda *_: No
 
 START_NS = 1_000_000_000
 """Stamp of the session's first instant: simulated time has no epoch, but 0 means unset in ROS."""
-HOLD_S = 1.0
 
 
 @dataclass(frozen=True)
@@ -141,7 +140,7 @@ def simulate_session(plan: SimulationPlan, out: Path, progress: Progress) -> Ses
         progress(f"moving in run {index + 1} of {count}", (index + 0.5) / count)
         trajectory = JointTrajectory(motion.joint_names, motion.time, motion.positions)
         start_ns = START_NS + round(1e9 * simulated.session_time)
-        samples = run(simulated, trajectory, plan.rate, hold=HOLD_S)
+        samples = run(simulated, trajectory, plan.rate)
         record_run(session, simulated, planned, trajectory, samples, start_ns=start_ns, hold=HOLD_S)
     write_yaml(session.truth_path(1).parent / "reality.yaml", drawn.record())
     progress("done", 1.0)
