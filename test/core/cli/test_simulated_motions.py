@@ -17,6 +17,7 @@ from shoecal_core.recording import schemas
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.truth import read_truth
 from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.simulation.samples import HOLD_S
 
 ROOT = Path(__file__).resolve().parents[3]
 ODD = (
@@ -89,7 +90,7 @@ def test_everything_a_diagnosis_needs_is_recorded(standard: Session) -> None:
     assert up.mean(axis=0) == pytest.approx([0.0, 0.0, GRAVITY], abs=0.1)
     assert messages_on(schemas.JOINT_TEMPERATURES, run.path) > 0
     assert len(run.commanded) == 1
-    assert run.commanded[0].start == pytest.approx(1.0, abs=0.01)
+    assert run.commanded[0].start == pytest.approx(HOLD_S, abs=0.01)
     # The session's time goes on from run to run.
     starts = [standard.read(entry.run).start_ns for entry in standard.runs]
     assert np.all(np.diff(starts) > 1e9)
