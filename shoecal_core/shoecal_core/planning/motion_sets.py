@@ -6,6 +6,8 @@ import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from shoecal_core.errors import ShoecalError
 from shoecal_core.planning.motion_catalogue import motion_kind
 from shoecal_core.robot.double_support import DoubleSupport
@@ -27,7 +29,7 @@ class MotionSet:
 
     doc: str
     train: tuple[str, ...]
-    test: tuple[str, ...] = ("landmarks", "reversed")
+    test: tuple[str, ...]
 
     def __len__(self) -> int:
         return len(self.train) + len(self.test)
@@ -45,23 +47,24 @@ class MotionSet:
 STANDARD, THOROUGH = "standard", "thorough"
 MOTION_SETS: Mapping[str, MotionSet] = {
     # A minute of motion: as accurate as the thorough set's two within 0.05 mm. Unloading in another
-    # double support than the neutral one costs 0.1 mm.
+    # double support than the neutral one costs 0.1 mm. Nothing that it tests, slowly and with a
+    # tilted torso, is trained.
     STANDARD: MotionSet(
         "for a calibration: round the landmarks 1.8 times as fast, each foot lifted once",
         ("faster", "faster_reversed", "unload_left", "unload_right"),
+        ("landmarks", "reversed", "torso_tilt"),
     ),
     # Effects of joints and links show by direction and height; a calibration needs neither.
     THOROUGH: MotionSet(
         "for a diagnosis: both directions, two heights of the torso, each foot lifted once",
         ("landmarks", "reversed", "torso_height", "unload_left", "unload_right"),
+        ("landmarks", "reversed"),
     ),
 }
-"""By name. Both test slowly and where nothing was trained, so that their errors compare."""
+"""By name. Each tests where nothing was trained."""
 
 STANDARD_SUPPORTS = 5
-"""Double supports of a set: three to train in, two to test in."""
-_TRAIN_SUPPORTS = 3
-"""Fewer do not fix every direction of gains and offsets."""
+"""Double supports of a set, each for one run but that of unloading."""
 
 
 @dataclass(frozen=True)
@@ -84,11 +87,10 @@ def set_runs(
 ) -> tuple[PlannedRun, ...]:
     """A set of motions in double supports, as it is recorded.
 
-    Training and testing take turns from yaw to yaw: runs to train begin and end the range of yaw
-    between the feet, and a run to test stands where no other does, in between. Fewer than four
-    double supports leave none for tests alone: those are then shared, with other motions. Each foot
-    is unloaded in the neutral support: there any robot can stand on one foot that can do so at all,
-    and its motors and joints give least.
+    Runs to train begin and end the range of yaw between the feet, and a run to test stands where no
+    other does, in between. Where the double supports are too few for that, tests share those of the
+    training, with other motions. Each foot is unloaded in the neutral support: there any robot can
+    stand on one foot that can do so at all, and its motors and joints give least.
 
     Args:
         name: in MOTION_SETS.
@@ -99,13 +101,14 @@ def set_runs(
         ShoecalError: for no supports.
     """
     _require(supports)
-    tested = _test_supports(supports)
-    # The ends of the yaw's range first: a set may have fewer motions than there are supports.
-    yaws = sorted(support.dtheta for support in supports)
-    trained = sorted(
-        (support for support in supports if support not in tested),
-        key=lambda support: support.dtheta not in (yaws[0], yaws[-1]),
-    )
+    one = MOTION_SETS[name]
+    by_yaw = sorted(supports, key=lambda support: support.dtheta)
+    room = len(supports) - sum(motion not in UNLOADING for motion in one.train)
+    tested = _spread(by_yaw[1:-1], min(len(one.test), room))
+    # The ends of the range first: there may be more double supports than motions.
+    ends = (by_yaw[0], by_yaw[-1])
+    trained = [support for support in supports if support not in tested]
+    trained.sort(key=lambda support: support not in ends)
     # Where both share them, tests move on by one, so that each meets another motion's support.
     places = {
         TRAIN: itertools.cycle(trained),
@@ -113,7 +116,7 @@ def set_runs(
     }
     return tuple(
         PlannedRun(neutral if motion in UNLOADING else next(places[hint]), motion, hint)
-        for motion, hint in MOTION_SETS[name].runs
+        for motion, hint in one.runs
     )
 
 
@@ -136,12 +139,10 @@ def listed_runs(
     )
 
 
-def _test_supports(supports: Sequence[DoubleSupport]) -> list[DoubleSupport]:
-    """Up to two that are for tests alone, neither of them of the least or the greatest yaw."""
-    if len(supports) <= _TRAIN_SUPPORTS:
-        return []
-    inner = sorted(supports, key=lambda support: support.dtheta)[1:-1:2]
-    return [inner[0], inner[-1]][: len(supports) - _TRAIN_SUPPORTS]
+def _spread(inner: Sequence[DoubleSupport], count: int) -> list[DoubleSupport]:
+    """As many of them, evenly from first to last."""
+    at = np.linspace(0, len(inner) - 1, max(count, 0)).round().astype(int)
+    return [inner[index] for index in at]
 
 
 def _require(supports: Sequence[DoubleSupport]) -> None:

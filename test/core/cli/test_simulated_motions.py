@@ -62,10 +62,10 @@ def test_the_standard_set_is_marked_and_tests_stand_elsewhere(standard: Session)
         for hint in ("train", "test")
     }
     assert len(places["train"]) == 2
-    assert len(places["test"]) == 2
+    assert len(places["test"]) == 3
     assert not places["train"] & places["test"]
     yaws = [support.dtheta for support in places["train"] | places["test"] if support]
-    assert len(set(yaws)) == 4
+    assert len(set(yaws)) == 5
 
 
 def test_an_unloaded_foot_carries_nothing_for_a_while(standard: Session) -> None:

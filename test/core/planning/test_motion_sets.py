@@ -11,7 +11,6 @@ from shoecal_core.planning.motion_sets import (
     MOTION_SETS,
     STANDARD,
     STANDARD_SUPPORTS,
-    THOROUGH,
     UNLOADING,
     PlannedRun,
     listed_runs,
@@ -55,30 +54,34 @@ def test_every_motion_is_done_once_and_every_support_is_visited(
     assert {run.support for run in runs if run.motion in UNLOADING} == {NEUTRAL}
     elsewhere = {run.support for run in drawn(name, supports)}
     assert elsewhere <= set(supports)
-    if name == THOROUGH and len(supports) <= STANDARD_SUPPORTS:
+    if len(supports) <= STANDARD_SUPPORTS:
         assert elsewhere == set(supports)
 
 
-@given(yaws.filter(lambda found: len(found) > 3))
-def test_tests_stand_where_nothing_was_trained_within_the_trained_yaws(found: list[float]) -> None:
-    runs = drawn(THOROUGH, [at(yaw) for yaw in found])
+@pytest.mark.parametrize("name", MOTION_SETS)
+@given(found=yaws.filter(lambda found: len(found) > 3))
+def test_tests_stand_where_nothing_was_trained_within_the_trained_yaws(
+    name: str, found: list[float]
+) -> None:
+    runs = drawn(name, [at(yaw) for yaw in found])
     trained, tested = (
         {run.support for run in runs if run.hint == hint} for hint in ("train", "test")
     )
     assert not trained & tested
-    assert len(trained) == 3
-    assert len(tested) == min(2, len(found) - 3)
+    moving = len(set(MOTION_SETS[name].train) - set(UNLOADING))
+    assert len(trained) == moving
+    assert len(tested) == min(len(MOTION_SETS[name].test), len(found) - moving)
     if len(found) <= STANDARD_SUPPORTS:
         lowest, highest = np.sort([support.dtheta for support in trained])[[0, -1]]
         assert all(lowest < support.dtheta < highest for support in tested)
 
 
-def test_with_few_supports_no_motion_is_tested_where_it_was_trained() -> None:
-    for count in (2, 3):
-        supports = [at(0.1 * index) for index in range(count)]
-        runs = drawn(THOROUGH, supports)
-        done = {(run.motion, run.support) for run in runs}
-        assert len(done) == len(runs)
+@pytest.mark.parametrize("name", MOTION_SETS)
+@pytest.mark.parametrize("count", [2, 3])
+def test_with_few_supports_no_motion_is_tested_where_it_was_trained(name: str, count: int) -> None:
+    runs = drawn(name, [at(0.1 * index) for index in range(count)])
+    done = {(run.motion, run.support) for run in runs}
+    assert len(done) == len(runs)
 
 
 def test_listed_motions_visit_the_supports_in_turn() -> None:
