@@ -52,7 +52,7 @@ def test_the_result_holds_what_it_promises(result: dict[str, Any]) -> None:
     assert result["format"] == 1
     assert result["robot"] == "odd_biped"
     assert result["seed"] == 3
-    assert [row["set"] for row in result["supports"]] == 5 * ["train"] + 2 * ["test"]
+    assert [row["set"] for row in result["supports"]] == 4 * ["train"] + 3 * ["test"]
     assert {"run", "dx", "dy", "dtheta", "set"} <= result["supports"][0].keys()
     assert {"grf_mae_n", "cop_mae_mm"} <= result["modelled"].keys()
     wanted = {
