@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
 
 import numpy as np
 from rich.table import Table
 
 from shoecal_core.arrays import FloatArray
 from shoecal_core.cli.tables import new_table
+from shoecal_core.cli.weak_lines import weak_lines
 from shoecal_core.estimation.assessment import Assessment
 from shoecal_core.estimation.budget import Budget
-from shoecal_core.planning.supports.identifiability import Identifiability
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.result import Screening
 from shoecal_core.shoe.shoe import FEET
@@ -33,23 +32,6 @@ def screening_table(screening: Screening) -> Table:
             texts = [f"{one} ({one / count:.1%})" if one else "-" for one in cells]
             table.add_row(str(run), str(count), *texts)
     return table
-
-
-def weak_lines(found: Identifiability) -> list[str]:
-    """Directions that are not identified, those alike on one line, with what is known of them."""
-    return [
-        f"not identified: {words} ({_known(uncertainties)})"
-        for words, uncertainties in found.weak_by_words.items()
-    ]
-
-
-def _known(uncertainties: Sequence[float]) -> str:
-    count = f"{len(uncertainties)} directions, " if len(uncertainties) > 1 else ""
-    finite = [f"{100.0 * one:.0f}" for one in uncertainties if np.isfinite(one)]
-    if not finite:
-        return f"{count}no information in these data"
-    rest = " % or more" if len(finite) < len(uncertainties) else " %"
-    return f"{count}uncertain by {' and '.join(finite)}{rest}"
 
 
 LISTED = 3

@@ -12,9 +12,9 @@ from pathlib import Path
 from rich.console import Console
 
 from shoecal_core.cli.arguments import add_shoe, refuse_exchanged, shoe_file
-from shoecal_core.cli.assessment_table import weak_lines
 from shoecal_core.cli.planning_arguments import add_planning, chosen_supports, planner_settings
 from shoecal_core.cli.progress import shown_progress
+from shoecal_core.cli.weak_lines import weak_lines
 from shoecal_core.errors import FileTakenError, PartialError, ShoecalError
 from shoecal_core.files import atomic_write, make_folder, system_error
 from shoecal_core.planning.checking.check import check_motion

@@ -194,14 +194,15 @@ def _torques(robot: Robot, body: SymbolicKinematics, forces: list[tuple[ca.SX, c
         at, load = body.soles[0].act(place), part * robot.weight
         for index in list(model.supports[foot.joint])[2:]:
             pose = body.joints[index]
-            moment = load * ca.cross(at - pose.translation, up)
-            force = load
-            for link in model.subtrees[index]:
-                inertia = model.inertias[link]
-                weight = inertia.mass * GRAVITY
-                lever = body.joints[link].act(np.asarray(inertia.lever)) - pose.translation
-                moment -= weight * ca.cross(lever, up)
-                force -= weight
+            links = [model.inertias[link] for link in model.subtrees[index]]
+            weight = GRAVITY * sum(inertia.mass for inertia in links)
+            force = load - weight
+            # Of all links at once: their moment about a point needs no more than the sum.
+            held = load * at - GRAVITY * sum(
+                inertia.mass * body.joints[link].act(np.asarray(inertia.lever))
+                for link, inertia in zip(model.subtrees[index], links, strict=True)
+            )
+            moment = ca.cross(held - force * pose.translation, up)
             linear, angular = joint_axis(model, index)
             torques[index - 2] -= ca.dot(pose.rotation @ angular, moment)
             torques[index - 2] -= ca.dot(pose.rotation @ linear, up) * force

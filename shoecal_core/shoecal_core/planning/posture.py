@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 from dataclasses import dataclass
+from functools import cached_property
 
 import casadi as ca
 import numpy as np
@@ -54,6 +55,16 @@ _INWARD_WEIGHT = 1e3
 than any posture."""
 _RESERVE = 1.15
 """On the sharing's interval where a place is moved in: motions come there in other postures."""
+
+_NEAR_STEPS = 10
+"""Where a NAO or Wren can stand, three or four are enough."""
+_NEAR_STEP = 0.3
+"""rad, or of the way in; slopes hold no farther."""
+_LEFT_WEIGHT = 1e4
+"""Of what a step leaves unmended, from 0 to 1, against its square [rad^2]."""
+_NEAR_RESERVE = 1e-5
+"""m, rad, N m, share of the weight; a step aims so far inside its bounds, so as not to end at
+rounding outside them."""
 
 _FLAT_RESERVE = 0.004
 """m; of the weight's lever to the edges of the soles, for the same reason."""
@@ -146,16 +157,32 @@ class StanceSolver:
         cost += _ASIDE_WEIGHT * ca.sumsqr(terms.cop - place)
         cost += _INWARD_WEIGHT * inward
         parameters = ca.vertcat(terms.foot_pose, terms.share, target, centre, terms.others)
-        constraints = ca.vertcat(
+        rows = ca.vertcat(
             terms.balance, terms.distances, terms.torques, terms.cop - place, terms.foot_error
         )
-        problem = {
-            "x": ca.vertcat(terms.angles, inward), "p": parameters, "f": cost, "g": constraints,
-        }  # fmt: skip
-        self._solver = ca.nlpsol("stance", "ipopt", problem, _OPTIONS)
-        self._relative_jacobian = ca.Function(
-            "relative_jacobian", [terms.angles, terms.others], [terms.relative_jacobian]
+        # Before derivatives are taken: it makes these shorter by a fifth.
+        cost, rows, relative = ca.cse([cost, rows, terms.relative_jacobian])
+        moved = ca.vertcat(terms.angles, inward)
+        self._problem = {"x": moved, "p": parameters, "f": cost, "g": rows}
+        self._rows = ca.Function(
+            "rows", [moved, parameters], [rows, ca.jacobian(rows, moved), relative]
         )
+        self._relative_jacobian = ca.Function(
+            "relative_jacobian", [terms.angles, terms.others], [relative]
+        )
+        self._step_weights = ca.DM(np.diag([*np.ones(moved.numel()), _LEFT_WEIGHT]))
+        every = ca.Sparsity.dense(rows.numel(), moved.numel() + 1)
+        self._shortest = ca.conic(
+            "shortest",
+            "daqp",
+            {"h": self._step_weights.sparsity(), "a": every},
+            {"error_on_fail": False, "daqp": {"primal_tol": _NEAR_RESERVE / 100.0}},
+        )
+
+    @cached_property
+    def _solver(self) -> ca.Function:
+        # Writing its Hessian down takes long, and many stances need no optimum.
+        return ca.nlpsol("stance", "ipopt", self._problem, _OPTIONS)
 
     def solve(self, support: DoubleSupport, cop_target: FloatArray | None = None) -> FloatArray:
         """Leg angles (k,) [rad]: both feet flat, torso upright, knees bent, motors not strained.
@@ -173,9 +200,41 @@ class StanceSolver:
         robot = self._legs.robot
         if not feet_gap(robot, support) > 0.0:
             raise FeetOverlapError(robot.name, support)
-        target = middle(robot, support) if cop_target is None else cop_target
-        task = _Task(FootPose.of(support), SupportPhase.BOTH, target, robot.posture)
-        return self._solved(task)[0]
+        return self._solved(self._at_middle(support, cop_target))[0]
+
+    def near(self, support: DoubleSupport) -> FloatArray:
+        """Leg angles (k,) [rad] of any posture that `solve` could have found, for less work.
+
+        Args:
+            support: where the right foot is.
+
+        Raises:
+            UnreachableError: as `solve`.
+        """
+        robot = self._legs.robot
+        if feet_gap(robot, support) > 0.0:
+            task = self._at_middle(support)
+            if (found := self._near(task, self._legs.nominal)) is not None:
+                return found
+        return self.solve(support)
+
+    def reaches(
+        self, foot_pose: FootPose, place: FloatArray, inward: float, start: FloatArray
+    ) -> bool:
+        """Whether a posture near a start has the CoP at a place, however the feet share the load.
+
+        For less work than `within_reach`, which may still find one where this finds none.
+
+        Args:
+            foot_pose: of the right sole in the left sole's frame.
+            place: (2,) in the left sole's frame [m].
+            inward: greatest part of the way to the middle between the feet by which it may be
+                moved in.
+            start: (k,) leg angles [rad].
+        """
+        posture = self._legs.robot.posture
+        task = _Task(foot_pose, SupportPhase.BOTH, place, posture, inward=inward)
+        return self._near(task, start) is not None
 
     def within_reach(
         self, foot_pose: FootPose, places: FloatArray, others: FloatArray
@@ -218,6 +277,11 @@ class StanceSolver:
             return self._found(task, _RESERVE_ON_ONE)[0][:-1]
         return self._solved(task)[0]
 
+    def _at_middle(self, support: DoubleSupport, cop_target: FloatArray | None = None) -> _Task:
+        robot = self._legs.robot
+        target = middle(robot, support) if cop_target is None else cop_target
+        return _Task(FootPose.of(support), SupportPhase.BOTH, target, robot.posture)
+
     def _on_one(
         self, foot_pose: FootPose, support_phase: SupportPhase, others: FloatArray
     ) -> _Task:
@@ -239,6 +303,12 @@ class StanceSolver:
             UnreachableError: when it can on neither.
         """
         foot_pose = FootPose.of(support)
+        tasks = (
+            self._on_one(foot_pose, phase, others)
+            for phase in (SupportPhase.LEFT, SupportPhase.RIGHT)
+        )
+        if any(self._near(task, self._legs.nominal) is not None for task in tasks):
+            return
         try:
             self.solve_on_one(foot_pose, SupportPhase.LEFT, others)
         except UnreachableError:
@@ -305,6 +375,72 @@ class StanceSolver:
         """Leg angles and way in (k + 1,), and by how much each constraint is violated (r,): as it
         is loosened, and as it is.
         """
+        least, bounds = self._bounds(task, spread)
+        torques = len(self._torque)
+        asked, allowed = least.copy(), bounds.copy()
+        asked[: len(BALANCE_NAMES)] -= loose.balance_share
+        asked[len(BALANCE_NAMES) :] -= loose.clearance_m
+        allowed[:torques] = np.maximum(0.0, loose.torque_factor * self._torque - spread.torque[0])
+        lower = np.append(self._lower - loose.limits_rad, 0.0)
+        upper = np.append(self._upper + loose.limits_rad, task.inward)
+        result = self._solver(
+            x0=start,
+            p=self._parameters(task),
+            lbx=lower,
+            ubx=upper,
+            lbg=np.concatenate([asked, -allowed]),
+            ubg=np.concatenate([np.full(len(asked), np.inf), allowed]),
+        )
+        # IPOPT relaxes bounds by rounding; inside is inside.
+        found = np.clip(np.array(result["x"]).ravel(), lower, upper)
+        values = np.array(result["g"]).ravel()
+        return found, _beyond(values, asked, allowed), _beyond(values, least, bounds)
+
+    def _near(self, task: _Task, start: FloatArray) -> FloatArray | None:
+        """Leg angles (k,) within all bounds, near a start (k,) [rad]; None where none are found.
+
+        Each step is the shortest one after which all is kept, by its slope here, or as much of what
+        is not kept is mended as can be. The sharing's interval is that of the posture itself, where
+        `_found` wants one.
+        """
+        robot, parameters = self._legs.robot, self._parameters(task)
+        lower, upper = np.append(self._lower, 0.0), np.append(self._upper, task.inward)
+        found = np.clip(np.append(start, task.inward), lower, upper)
+        spread = SharingSpread.none(robot)
+        for _ in range(_NEAR_STEPS):
+            values, slopes, relative = (np.array(part) for part in self._rows(found, parameters))
+            values = values.ravel()
+            if task.inward:
+                spread = SharingSpread.of(robot, relative[None]).scaled(_RESERVE)
+            least, bounds = self._bounds(task, spread)
+            if np.all(_beyond(values, least, bounds) < 0.0):
+                angles: FloatArray = found[:-1]
+                return angles
+            low = np.concatenate([least, -bounds]) - values
+            high = np.concatenate([np.full(len(least), np.inf), bounds]) - values
+            inside = np.minimum(_NEAR_RESERVE, (high - low) / 2.0)
+            low, high = low + inside, high - inside
+            left = np.clip(0.0, low, high)
+            step = self._shortest(
+                h=self._step_weights,
+                a=np.column_stack([slopes, left]),
+                lba=low,
+                uba=high,
+                lbx=np.append(np.maximum(lower - found, -_NEAR_STEP), 0.0),
+                ubx=np.append(np.minimum(upper - found, _NEAR_STEP), 1.0),
+            )
+            found = np.clip(found + np.array(step["x"]).ravel()[:-1], lower, upper)
+        return None
+
+    def _parameters(self, task: _Task) -> FloatArray:
+        """Of the problem, in its order."""
+        centre = middle(self._legs.robot, task.foot_pose.support)
+        return np.concatenate(
+            [task.foot_pose.parameters, task.support_phase.share, task.target, centre, task.others]
+        )
+
+    def _bounds(self, task: _Task, spread: SharingSpread) -> tuple[FloatArray, FloatArray]:
+        """Least of the first constraints (r - s,), and greatest size of the others (s,)."""
         robot, loaded = self._legs.robot, np.array([task.support_phase.feet])
         least = np.append(
             least_balance(robot, self._settings, loaded, spread)[0],
@@ -313,33 +449,7 @@ class StanceSolver:
         if task.inward:
             least[BALANCE_EDGES] += _FLAT_RESERVE
         torque = np.maximum(0.0, self._torque - spread.torque[0])
-        bounds = np.concatenate([torque, np.full(2, task.aside), np.zeros(6)])
-        asked, allowed = least.copy(), bounds.copy()
-        asked[: len(BALANCE_NAMES)] -= loose.balance_share
-        asked[len(BALANCE_NAMES) :] -= loose.clearance_m
-        allowed[: len(torque)] = np.maximum(
-            0.0, loose.torque_factor * self._torque - spread.torque[0]
-        )
-        lower = np.append(self._lower - loose.limits_rad, 0.0)
-        upper = np.append(self._upper + loose.limits_rad, task.inward)
-        centre = middle(robot, task.foot_pose.support)
-        result = self._solver(
-            x0=start,
-            p=np.concatenate(
-                [
-                    task.foot_pose.parameters, task.support_phase.share, task.target, centre,
-                    task.others,
-                ]
-            ),
-            lbx=lower,
-            ubx=upper,
-            lbg=np.concatenate([asked, -allowed]),
-            ubg=np.concatenate([np.full(len(asked), np.inf), allowed]),
-        )  # fmt: skip
-        # IPOPT relaxes bounds by rounding; inside is inside.
-        found = np.clip(np.array(result["x"]).ravel(), lower, upper)
-        values = np.array(result["g"]).ravel()
-        return found, _beyond(values, asked, allowed), _beyond(values, least, bounds)
+        return least, np.concatenate([torque, np.full(2, task.aside), np.zeros(6)])
 
     def _unreachable(self, task: _Task, beyond: FloatArray) -> UnreachableError:
         robot = self._legs.robot

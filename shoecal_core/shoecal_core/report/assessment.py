@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from shoecal_core.estimation.assessment import Assessment
 from shoecal_core.estimation.expected import Spread
-from shoecal_core.planning.supports.identifiability import WeakDirection
 from shoecal_core.report.calibration_content import CalibrationReport
 from shoecal_core.report.figures.error_map import ErrorMap, common_levels, error_map
 from shoecal_core.report.figures.feet import foot_shape
@@ -19,6 +16,7 @@ from shoecal_core.report.page import Group, KeyFigure, Picture, Section, Table
 from shoecal_core.report.palette import RED
 from shoecal_core.report.quantities import UNKNOWN, number, quantity, size, uncertain
 from shoecal_core.report.screening_parts import left_out_group
+from shoecal_core.report.weak_table import weak_table
 from shoecal_core.shoe.shoe import FEET
 
 NAMES = {
@@ -238,20 +236,6 @@ def _falls(now: float, then: float) -> str:
     decimals = 1 if now < 0.01 else 0
     before, after = (number(1e3 * value, decimals) for value in (now, then))
     return UNKNOWN if before == after else f"{before} → {after} mm"
-
-
-def weak_table(weak: Sequence[WeakDirection], note: str = "") -> Table | None:
-    """Directions that data leave open; None without any."""
-    if not weak:
-        return None
-    rows = tuple((one.words, _known_to(one.uncertainty)) for one in weak)
-    return Table("Left open by the data", ("direction", "what is known of it"), rows, note)
-
-
-def _known_to(uncertainty: float) -> str:
-    if not math.isfinite(uncertainty):
-        return "nothing"
-    return f"uncertain by {100.0 * uncertainty:.0f} %"
 
 
 def assessment_section(content: CalibrationReport, assessed: Assessment) -> Section:

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from shoecal_core.planning.supports.identifiability import Identifiability
-from shoecal_core.report.assessment import weak_table
 from shoecal_core.report.figures.margins import margin_text
 from shoecal_core.report.html import write_page
 from shoecal_core.report.page import (
@@ -27,6 +26,7 @@ from shoecal_core.report.plan_figures import motion_pictures
 from shoecal_core.report.quantities import double_support_text, quantity
 from shoecal_core.report.sheet import SheetFigure, write_sheet
 from shoecal_core.report.svg import readable
+from shoecal_core.report.weak_table import weak_table
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
 

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import math
 import re
+from typing import TYPE_CHECKING
 
-from shoecal_core.estimation.series import Mae
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.shoe.shoe import Shoe
+
+if TYPE_CHECKING:
+    # Plans have none, and start sooner without all that measured series need.
+    from shoecal_core.estimation.series import Mae
 
 UNKNOWN = "–"
 SPACE = "\N{NO-BREAK SPACE}"

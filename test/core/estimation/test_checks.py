@@ -10,7 +10,7 @@ import pytest
 from core.estimation import synthetic
 from core.planning.bodies import load_body
 from core.shoe import shoes
-from shoecal_core.cli.assessment_table import weak_lines
+from shoecal_core.cli.weak_lines import weak_lines
 from shoecal_core.estimation.checks import GAIN_RATIO, check_directions, check_expected, check_gains
 from shoecal_core.estimation.fit import self_calibrate
 from shoecal_core.estimation.initial_guess import InitialGuess

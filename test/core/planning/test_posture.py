@@ -9,7 +9,7 @@ import pytest
 
 from core.planning.bodies import Body, load_body
 from shoecal_core.planning.landmarks import Contour
-from shoecal_core.planning.legs import Legs
+from shoecal_core.planning.legs import FootPose, Legs
 from shoecal_core.planning.posture import (
     FeetOverlapError,
     StanceSolver,
@@ -52,6 +52,30 @@ def test_feet_com_and_limits_by_pinocchio(body: Body) -> None:
         np.testing.assert_allclose(left.actInv(com)[:2], middle(robot, support), atol=1e-6)
         up = left.rotation.T[:, 2]
         assert up[2] > np.cos(0.25), "the torso stands upright"
+
+
+def test_what_is_found_near_is_there_by_pinocchio_and_by_the_solver(body: Body) -> None:
+    solver, posture = StanceSolver(body.legs, SETTINGS), body.robot.posture
+    lower, upper = body.legs.bounds(SETTINGS, SETTINGS.stance_margin)
+    reached = 0
+    for support in random_supports(body, 6):
+        legs, centre = solver.near(support), middle(body.robot, support)
+        assert np.all((legs >= lower) & (legs <= upper))
+        np.testing.assert_allclose(
+            body.legs.foot_pose(body.robot.from_legs(legs)).translation,
+            [support.dx, support.dy, 0.0],
+            atol=1e-6,
+        )
+        cop = body.legs.cop(body.robot.from_legs(legs)[None])[0]
+        np.testing.assert_allclose(cop, centre, atol=1e-6)
+        pose, corners = FootPose.of(support), Contour.of(body.robot, support).corners
+        places = solver.within_reach(pose, corners, posture)
+        for corner, place in zip(corners, places, strict=True):
+            if solver.reaches(pose, corner, 0.45, legs):
+                reached += 1
+                whole = np.linalg.norm(centre - corner)
+                assert np.linalg.norm(place - corner) <= 0.5 * whole
+    assert reached > 12
 
 
 def test_a_place_for_the_cop(body: Body) -> None:

@@ -52,7 +52,6 @@ class Linearisation:
             "state_slopes",
             [ca.vertcat(*given)],
             [ca.vertcat(rows, ca.vec(slopes.T))],
-            {"cse": True},
         )
 
     def __call__(self, states: FloatArray, scene: Scene) -> Linearised:
@@ -86,7 +85,6 @@ class Curvature:
             "state_curvature",
             [ca.vertcat(*given, prices)],
             [ca.vec(ca.densify(second))],
-            {"cse": True},
         )
 
     def __call__(self, states: FloatArray, scene: Scene, prices: FloatArray) -> FloatArray:
