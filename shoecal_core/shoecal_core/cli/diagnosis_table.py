@@ -89,7 +89,7 @@ def sessions_table(found: Sequence[Diagnosed]) -> Table:
         if diagnosis is None:
             table.add_row(str(one.session), "failed", one.error, "-")
             continue
-        first = diagnosis.causes[0] if diagnosis.causes else None
+        first = diagnosis.named[0] if diagnosis.named else None
         table.add_row(
             str(one.session),
             diagnosis.verdict,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -12,8 +13,10 @@ from shoecal_core.diagnosis.result import Cause, NamedHypothesis, Verdict
 from shoecal_core.diagnosis.scoring import Scored
 from shoecal_core.diagnosis.selection import (
     LOG_UNMODELLED,
+    PLACES_EACH,
     Selection,
     added_evidence,
+    best_form,
     fit_without,
     over_all_runs,
     select,
@@ -196,6 +199,28 @@ def causes_of(workspace: Workspace, found: Selection) -> list[Cause]:
         _cause(workspace, found.chosen, index, probabilities(found, index))
         for index in range(len(found.alternatives))
     ]
+
+
+def causes_asked_for(workspace: Workspace, found: Selection) -> list[Cause]:
+    """Every hypothesis by itself, needed or not, the most probable first; of an effect at many
+    places the first few. One whose size makes no sense, as a negative delay, comes last.
+    """
+    ranking = probabilities(found, 0) if found.alternatives else ()
+    alone = [one.scored for one in found.singles]
+    shown = [one.parts[0][0] for one in alone]
+    alone += [
+        best_form(workspace, hypothesis)
+        for hypothesis in workspace.catalogue.hypotheses
+        if not any(hypothesis is other for other in shown)
+    ]
+    seen: Counter[str] = Counter()
+    causes = []
+    for scored in alone:
+        effect = scored.parts[0][0].effect.identifier
+        seen[effect] += 1
+        if seen[effect] <= PLACES_EACH:
+            causes.append(_cause(workspace.at(scored), scored, 0, ranking))
+    return causes
 
 
 def probabilities(found: Selection, index: int) -> tuple[NamedHypothesis, ...]:

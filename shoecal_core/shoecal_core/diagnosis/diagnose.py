@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from shoecal_core.diagnosis.action import action
-from shoecal_core.diagnosis.answer import causes_of, confirmed, first_confirmed
+from shoecal_core.diagnosis.answer import causes_asked_for, causes_of, confirmed, first_confirmed
 from shoecal_core.diagnosis.baseline import first_parameters
 from shoecal_core.diagnosis.budget import budget
 from shoecal_core.diagnosis.built_worse import answer_as_built
@@ -15,7 +15,7 @@ from shoecal_core.diagnosis.evidence import evidence
 from shoecal_core.diagnosis.measured import MeasuredBefore, at_zeros, measure
 from shoecal_core.diagnosis.next_motion import propose
 from shoecal_core.diagnosis.preflight import preflight
-from shoecal_core.diagnosis.result import Diagnosis
+from shoecal_core.diagnosis.result import Cause, Diagnosis
 from shoecal_core.diagnosis.selection import Selection, asked_for
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.shaking import shaking
@@ -145,8 +145,7 @@ def diagnose(
     best, said, built = answer_as_built(searched, certain, named, settings)
     if only is not None and not certain:
         # For who asks how an effect would do, though nothing may confirm it.
-        asked = searched.at(found.stands(searched.scorer, settings))
-        said = replace(said, causes=tuple(causes_of(asked, found)))
+        said = replace(said, causes=_asked(searched, found, settings, named=bool(said.causes)))
     progress("done", 1.0)
     chosen = found.chosen if said.causes else None
     corrected_gap = best.explained(None)[0]
@@ -161,7 +160,7 @@ def diagnose(
         causes=said.causes,
         ambiguity=said.ambiguity,
         ranking=said.ranking[:SHOWN],
-        cannot_detect=before.cannot_detect,
+        cannot_detect=(*before.cannot_detect, *_lacking(effects, best, only)),
         cannot_separate=before.cannot_separate,
         next_motion=propose(said.ambiguity),
         train=train,
@@ -189,6 +188,26 @@ def _found(
     named, denied = confirmed(best, shown, settings)
     # What was not needed is no evidence that anything is there.
     return shown, replace(named, unmodelled=shown.unmodelled), denied
+
+
+def _asked(
+    workspace: Workspace, found: Selection, settings: DiagnosisSettings, *, named: bool
+) -> tuple[Cause, ...]:
+    """The best of what somebody asked for where it is named, else all of it, each by itself."""
+    if not named:
+        return tuple(causes_asked_for(workspace, found))
+    return tuple(causes_of(workspace.at(found.stands(workspace.scorer, settings)), found))
+
+
+def _lacking(
+    effects: Sequence[Effect], workspace: Workspace, only: Callable[[str, Place], bool] | None
+) -> Iterator[str]:
+    """Lines for effects that somebody asked for and that this recording cannot show."""
+    if only is None:
+        return
+    for effect in effects:
+        if effect.identifier in workspace.catalogue.lacking and only(effect.identifier, ()):
+            yield f"{effect.identifier}: there is nothing in this recording to see it by"
 
 
 def _stuck_cell(workspace: Workspace, wanted: Callable[[str, Place], bool]) -> StuckChannel | None:

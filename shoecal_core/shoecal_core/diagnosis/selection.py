@@ -186,6 +186,12 @@ def asked_for(workspace: Workspace) -> Selection:
     return _found(workspace, singles[0].scored if singles else None, singles)
 
 
+def best_form(workspace: Workspace, hypothesis: Hypothesis) -> Scored:
+    """A hypothesis by itself in its most probable form, whether or not its size makes sense."""
+    scored = [workspace.scorer.score([(hypothesis, form)]) for form in hypothesis.forms]
+    return max(scored, key=value)
+
+
 def _found(workspace: Workspace, chosen: Scored | None, singles: Sequence[Ranked]) -> Selection:
     scorer = workspace.scorer
     return Selection(

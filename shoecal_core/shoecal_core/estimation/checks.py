@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from shoecal_core.arrays import IntArray
+from shoecal_core.estimation.joint_fit import FittedDeviation
 from shoecal_core.estimation.known import Since
 from shoecal_core.planning.supports.identifiability import Identifiability
 from shoecal_core.recording.session import missing_text
@@ -20,6 +21,11 @@ GAIN_RATIO = 5.0
 """Cells of one kind differ by less than this factor in gain."""
 ZERO_WARN, ZERO_FAIL = 0.02, 0.05
 """What both feet show in the air, over the weight."""
+SOLE_STDS = 5.0
+"""Standard deviations as built, of one channel's place, from which a foot's forces act elsewhere:
+all its channels are off alike."""
+SOLE_WORDS = {"x": ("behind", "in front"), "y": ("to the right", "to the left")}
+"""What a shift against and along each axis of the sole is called."""
 MOST_WIDTHS = 0.5
 """Expected CoP error, in half widths of the sensing polygon."""
 MOST_DIRECTIONS = 3
@@ -100,6 +106,43 @@ def check_zeros(
             "FAIL" if worst > ZERO_FAIL else "WARN",
             f"{text}: their zeros have changed between runs; use each run's own (--rezero, live "
             "/shoe/rezero)",
+        )
+    ]
+
+
+def check_soles(shoe: Shoe, deviations: Sequence[FittedDeviation]) -> list[Finding]:
+    """Feet of which all vertical forces act elsewhere by the data than by the files.
+
+    Args:
+        shoe: whose channels the deviations name.
+        deviations: of the fit.
+    """
+    moved = []
+    for foot, name in enumerate(FEET):
+        own = {
+            channel
+            for channel, side, vertical in zip(shoe.names, shoe.foot, shoe.vertical, strict=True)
+            if side == foot and vertical
+        }
+        for axis, words in SOLE_WORDS.items():
+            found = [
+                one
+                for one in deviations
+                if one.deviation.effect == "cell_position"
+                and one.deviation.component == axis
+                and own.issuperset(one.deviation.location)
+            ]
+            shift = float(np.mean([one.value for one in found])) if found else 0.0
+            if found and abs(shift) > SOLE_STDS * found[0].deviation.std:
+                moved.append(f"of the {name} foot {1e3 * abs(shift):.0f} mm {words[shift > 0.0]}")
+    if not moved:
+        return []
+    return [
+        Finding(
+            "WARN",
+            f"by the data the forces {' and '.join(moved)} of where the files say they act: check "
+            "the soles' place in the robot file (feet.*.sole_xyz_m), then that of the sensors in "
+            "the shoe file; soles may be off by more, as centres of mass take up a part",
         )
     ]
 

@@ -26,7 +26,7 @@ from shoecal_core.recording.bag_mapping import (
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.foreign import ImportedRun, StampedMessage, Stamps
 from shoecal_core.recording.imported_angles import check_angles
-from shoecal_core.recording.join import in_order, two_orders, two_orders_text
+from shoecal_core.recording.join import few_digits, in_order, two_orders, two_orders_text
 from shoecal_core.recording.names import without_prefix
 from shoecal_core.recording.schemas import SHOE_VOLTAGES_TYPE
 from shoecal_core.recording.session import Session
@@ -139,6 +139,7 @@ class _Importer:
             stamps = self._stamps(path, topic, received)
             late = int(np.sum(~in_order(np.array(stamps))))
             if late:
+                _check_digits(path, topic, stamps, received)
                 notes.append(
                     f"{topic}: {late} of {len(stamps)} messages have a stamp that repeats or goes "
                     "back; they are left out"
@@ -376,6 +377,45 @@ class _Importer:
         position = rows[:, :3] + rotation.apply(link_p_base)
         quaternion = (rotation * Rotation.from_matrix(link_R_base)).as_quat()
         return foreign.base_poses(kept, frame, position, quaternion)
+
+
+def _check_digits(
+    path: Path, topic: str, stamps: Sequence[int], received: Sequence[BagMessage]
+) -> None:
+    """Refuse stamps that many messages of one sender share, unless a message is only sent again.
+
+    Senders that share a topic differ in the names that they give.
+    """
+    senders: dict[tuple[str, ...], list[int]] = defaultdict(list)
+    for at, message in enumerate(received):
+        lists = (getattr(message.content, key, None) for key in ("name", "cell"))
+        names = tuple(chain.from_iterable(one for one in lists if isinstance(one, list)))
+        senders[names].append(at)
+    for own in senders.values():
+        # With another content under the same stamp, it is another sample.
+        fresh = [
+            at
+            for at, before in zip(own, [None, *own], strict=False)
+            if before is None or not _equal(received[at].content, received[before].content)
+        ]
+        times = np.array([stamps[at] for at in fresh])
+        if few_digits(times):
+            raise RecordingError(
+                path,
+                f"{int((np.diff(times) == 0).sum())} of {len(times)} messages have the stamp of "
+                "the one before: their sender rounds its stamps; let it stamp to a millisecond or "
+                "better, or list the topic under 'received' of the mapping to take the times that "
+                "the messages were received",
+                field=topic,
+            )
+
+
+def _equal(one: Any, other: Any) -> bool:
+    """Whether two messages of one type are the same, field by field but for the header."""
+    if hasattr(one, "__dataclass_fields__"):
+        fields = [name for name in one.__dataclass_fields__ if name != "header"]
+        return all(_equal(getattr(one, name), getattr(other, name)) for name in fields)
+    return bool(np.array_equal(one, other))
 
 
 def _base_T_link(mapping: BagMapping) -> tuple[FloatArray, FloatArray]:

@@ -29,7 +29,7 @@ from shoecal_core.recording.imported_angles import (
     no_angles,
     optional_joints,
 )
-from shoecal_core.recording.join import in_order
+from shoecal_core.recording.join import few_digits, in_order
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.urdf import Outline, read_outline
 from shoecal_core.shoe.shoe import Shoe, load_shoe
@@ -39,8 +39,6 @@ MAX_ODD_ROWS_SHARE = 0.02
 """Tables of one trial whose numbers of rows differ by more are not row by row of one clock."""
 MAX_REPEATED_SHARE = 0.1
 """A time column in which more rows repeat or go back is no time column of rows in order."""
-FEW_DIGITS_SHARE = 0.4
-"""Of its rows that repeat the time before, and none goes back: digits of the times are missing."""
 
 
 def import_csv(mapping_path: Path, folder: Path, out: Path) -> Session:
@@ -256,7 +254,7 @@ def _timed(
     forward = in_order(stamps)
     back = np.flatnonzero(~forward)
     if len(back) > MAX_REPEATED_SHARE * len(stamps):
-        if len(back) > FEW_DIGITS_SHARE * len(stamps) and (np.diff(stamps) >= 0).all():
+        if few_digits(stamps):
             raise table.error(
                 time.name,
                 int(back[0]),

@@ -16,6 +16,8 @@ LINEAR = ("value", "temperature")
 MAX_GAP_S = 0.1
 MAX_GAP_PERIODS = 2.5
 """Readings are interpolated between samples that are no further apart than the larger of these."""
+FEW_DIGITS_SHARE = 0.4
+"""Of stamps that repeat the one before, and none goes back: their digits are missing."""
 COMMON_SHARE = 0.5
 """Sources that share more of their stamps than this were sampled together."""
 
@@ -47,6 +49,12 @@ class OverlapError(Exception):
         self.column = column
         self.stamp_ns = stamp_ns
         super().__init__(f"column {column} is given twice at {stamp_ns} ns")
+
+
+def few_digits(stamps: IntArray) -> bool:
+    """Whether stamps (T,) [ns] are rounded so far that many in a row are one."""
+    steps = np.diff(stamps)
+    return bool((steps == 0).sum() > FEW_DIGITS_SHARE * len(stamps) and (steps >= 0).all())
 
 
 def two_orders(

@@ -194,7 +194,8 @@ def whole_shrink(diagnosis: Diagnosis) -> Shrink:
 
 
 def _shrinks(diagnosis: Diagnosis) -> str:
-    if not diagnosis.causes:
+    # Effects that somebody asked for stand by themselves: they shrink nothing together.
+    if not diagnosis.causes or (len(diagnosis.causes) > 1 and not diagnosis.named):
         return ""
     shrink, gap = whole_shrink(diagnosis), diagnosis.gap
     cop, grf = shrink.cop_mae_mm, shrink.grf_mae_n

@@ -44,6 +44,7 @@ HIDDEN = (
     "imitate an effect that its model lacks."
 )
 
+SHARE_GONE = "Share that is gone: of the squared error beyond noise, on the runs judged."
 LEAST_SHARE = 0.02
 """Of a gap's mean square, that a source is listed from."""
 
@@ -149,6 +150,13 @@ def _where(common: str, places: str) -> str:
 def shrink_table(diagnosis: Diagnosis) -> Table:
     """How far the gap shrinks, measured and simulated."""
     several = len(diagnosis.causes) > 1
+    if several and not diagnosis.named:
+        return Table(
+            "How far the gap shrinks",
+            ("with", "share that is gone", "CoP error", "GRF error"),
+            tuple(_shrink_row(hypothesis_text(one), one.shrink) for one in diagnosis.causes),
+            f"{SHARE_GONE} Each by itself.",
+        )
     first = diagnosis.causes[0]
     name = "all of it" if several else hypothesis_text(first)
     rows = [_shrink_row(f"{name}, measured", whole_shrink(diagnosis))]
@@ -164,8 +172,7 @@ def shrink_table(diagnosis: Diagnosis) -> Table:
         "How far the gap shrinks",
         ("with", "share that is gone", "CoP error", "GRF error"),
         tuple(rows),
-        "Share that is gone: of the squared error beyond noise, on the runs judged."
-        + (" With the others: from all but this one to all." if several else ""),
+        SHARE_GONE + (" With the others: from all but this one to all." if several else ""),
     )
 
 

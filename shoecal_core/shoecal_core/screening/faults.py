@@ -17,6 +17,7 @@ class Fault(Enum):
     SWAPPED = "swapped"
     MOVED_ZEROS = "moved_zeros"
     WRONG_WEIGHT = "wrong_weight"
+    PULLED = "pulled"
     SPIKE = "spike"
     TOO_FAST = "too_fast"
     DISTURBED = "disturbed"

@@ -11,6 +11,7 @@ from shoecal_core.samples.stretches import list_stretches
 from shoecal_core.screening.clocks import LARGEST_S
 from shoecal_core.screening.closure import Slipped
 from shoecal_core.screening.faults import Fault
+from shoecal_core.screening.pulled import Pull
 from shoecal_core.screening.result import LeftOut
 from shoecal_core.screening.saturated import Saturated
 from shoecal_core.screening.soles import Soles
@@ -246,6 +247,23 @@ def of_weights(found: Sequence[WrongWeight]) -> list[Finding]:
             f"{one.limit:.1f} N) and is left out: see that the robot carries nothing and is not "
             "held, then record it again",
             Fault.WRONG_WEIGHT,
+        )
+        for one in found
+    ]
+
+
+def of_pulls(found: Sequence[Pull]) -> list[Finding]:
+    """Forces from outside; with one other run alone, nothing else can be checked."""
+    return [
+        Finding(
+            "FAIL" if one.undecided else "WARN",
+            f"run {one.run}: a force from outside of up to {abs(one.force):.1f} N "
+            f"{'pressed the robot down' if one.force > 0.0 else 'held the robot up'} "
+            f"({list_stretches(one.stretches)}), while it only leant"
+            f"{'' if one.undecided else ', left out'}: take off the rope or cable, do not "
+            "touch the robot, and record the run again"
+            f"{'' if one.undecided else ', or leave it out (--train)'}",
+            Fault.PULLED,
         )
         for one in found
     ]

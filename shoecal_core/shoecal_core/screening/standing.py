@@ -19,6 +19,7 @@ from shoecal_core.screening.disturbed import disturbed
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.hanging import both_hang, without
 from shoecal_core.screening.noise import noise
+from shoecal_core.screening.pulled import Pull, pulls
 from shoecal_core.screening.quasi_static import too_fast
 from shoecal_core.screening.result import LeftOut, Screening
 from shoecal_core.screening.rough_fit import equations, prior, reweighed, solve
@@ -43,6 +44,8 @@ HIT_MARGIN_S = 0.03
 """The same around a hit that is over at once."""
 LIFT_S = 0.8
 """A foot that is off the floor for longer, margins included, is in the air: that is no step."""
+PULL_MARGIN_S = 1.0
+"""Left out before and after a pull, while it begins and ends."""
 SLIP_MARGIN_S = 0.5
 """Left out before a slip: when it began is known no better."""
 LEAST_SHARE = 0.4
@@ -91,22 +94,29 @@ def screen_standing(
         found = found.adding(words.of_wiring(shoe, wiring))
     if found.fails:
         return found
-    fit = solve(reweighed(rows, information), information)
+    watched = {run for run, lift in lifting.items() if lift is None} - {*fast, *hanging}
+    pulled = {one.run: one for one in pulls(rows, parts, watched, information, weight, settings)}
+    sound = {run: one for run, one in rows.items() if run not in pulled}
+    fit = solve(reweighed(sound, information), information)
     missing = {run: settings.force_std_n * one.off(fit.vector)[0] for run, one in rows.items()}
-    ended = saturated(parts, missing, fit.parameters.gain, settings)
+    # With gains of a single run, a pull on the other one looks like a cell at its end.
+    checked = sound if any(one.undecided for one in pulled.values()) else rows
+    ended = saturated({run: parts[run] for run in checked}, missing, fit.parameters.gain, settings)
     found = found.adding(words.of_saturated(shoe, ended))
     if found.fails:
         return found
-    wrong = wrong_weights(rows, information, settings) if several else []
+    wrong = wrong_weights(sound, information, settings)
+    found = found.adding(words.of_pulls(list(pulled.values())))
     found = found.adding(words.of_weights(wrong))
     if found.fails:
         return found
     fitting = {run: one for run, one in rows.items() if run not in {one.run for one in wrong}}
-    parameters = solve(reweighed(fitting, information), information).parameters
+    fitted = {run: one for run, one in fitting.items() if run not in pulled}
+    parameters = solve(reweighed(fitted, information), information).parameters
     watch = _Watch(shoe, parameters, weight, settings, ended)
     found = replace(found, load={run: watch.load(one) for run, one in aligned.items()})
     moments = {
-        run: watch.moments(aligned[run], parts[run], lifting[run], aloft.get(run))
+        run: watch.moments(aligned[run], parts[run], lifting[run], aloft.get(run), pulled.get(run))
         for run in fitting
     }
     found = replace(found, hanging={run: one for run, one in hanging.items() if run in fitting})
@@ -169,6 +179,7 @@ class _Watch:
         part: Blocks,
         lifting: LiftedFoot | None,
         aloft: BoolArray | None,
+        pull: Pull | None,
     ) -> _Moments:
         """What happened in a run; `aloft` (T,): the whole robot is lifted, or on its way."""
         time, settings = aligned.time, self.settings
@@ -196,6 +207,7 @@ class _Watch:
         marked = {
             Fault.SATURATED: self._at_end(aligned.readings, trembling),
             Fault.HANGING: aloft,
+            Fault.PULLED: _pulled(pull, time),
             Fault.LIFTED: up & ~meant,
             Fault.LIFTING: meant & ~air,
             Fault.TOO_FAST: widened(too_fast(aligned, settings), time, MARGIN_S),
@@ -228,6 +240,14 @@ class _Watch:
             off = np.abs(readings[:, one.channel] - one.level)
             there |= off <= AT_END_STDS * trembling[one.channel]
         return np.asarray(there)
+
+
+def _pulled(pull: Pull | None, time: FloatArray) -> BoolArray:
+    """(T,) samples at which a force from outside acts, and while it begins and ends."""
+    marked = np.zeros(len(time), dtype=bool)
+    for start, end in pull.stretches if pull is not None else ():
+        marked |= (time >= start - PULL_MARGIN_S) & (time <= end + PULL_MARGIN_S)
+    return marked
 
 
 def _leaving_out(

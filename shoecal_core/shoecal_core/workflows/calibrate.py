@@ -29,6 +29,7 @@ from shoecal_core.estimation.checks import (
     check_gains,
     check_missing,
     check_since,
+    check_soles,
     check_zeros,
 )
 from shoecal_core.estimation.data_sheets import (
@@ -360,7 +361,10 @@ def _check_sheets(
     if conflict := check_conflict(data.shoe, gains, fit.alone, settings.nominal_gain_std):
         return conflict
     gain_std = np.sqrt(np.diag(assessment.covariance)[: len(data.shoe.names)])
-    found = check_weight(data.shoe, gains, gain_std, data.weighed, data.robot)
+    found = check_soles(data.shoe, () if fit.joint is None else fit.joint.deviations)
+    # Soles that are off bend the gains, too: only weighing in the air does not mind them.
+    if not found or data.weighed is not None:
+        found += check_weight(data.shoe, gains, gain_std, data.weighed, data.robot)
     return found + check_data_sheets(data.shoe, gains, gain_std)
 
 

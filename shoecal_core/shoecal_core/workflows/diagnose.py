@@ -154,7 +154,7 @@ def do(job: DiagnosisRequest, progress: Progress = no_progress) -> Diagnosed:
         data=data,
         progress=lambda text, share: progress(text, max(READ_TO, SIMULATED_FROM * share)),
     )
-    if job.simulate and found.causes:
+    if job.simulate and found.named:
         # A physics engine, which most calls do not need.
         from shoecal_core.workflows.simulated_shrink import (  # noqa: PLC0415
             with_simulated_shrink,

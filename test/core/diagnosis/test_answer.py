@@ -19,7 +19,7 @@ from shoecal_core.diagnosis.answer import (
     confirmed,
     probabilities,
 )
-from shoecal_core.diagnosis.diagnose import Wanted, diagnose
+from shoecal_core.diagnosis.diagnose import diagnose
 from shoecal_core.diagnosis.result import NamedHypothesis
 from shoecal_core.diagnosis.scoring import Part
 from shoecal_core.diagnosis.selection import Ranked, Selection, taken
@@ -214,8 +214,15 @@ def test_a_set_holds_with_the_wanted_probability() -> None:
 def test_who_asks_is_told_sizes_but_a_robot_as_built_is_not_accused(
     standard_session: Session,
 ) -> None:
-    said = diagnose(standard_session, only=Wanted("payload"))
-    assert said.causes
+    asked = ("payload", "latency", "total_mass")
+    said = diagnose(standard_session, only=lambda effect, _place: effect in asked)
+    assert {cause.effect for cause in said.causes} == {"payload", "latency"}
+    for cause in said.causes:
+        for one in cause.size.values():
+            assert one.ci95[0] < one.value < one.ci95[1]
+        assert np.isfinite(cause.shrink.fraction)
+    assert any(line.startswith("total_mass: ") for line in said.cannot_detect)
+    assert said.next_motion is None
     assert said.verdict == "no_gap"
     assert said.named == ()
     assert said.action is not None

@@ -11,9 +11,17 @@ from core.estimation import synthetic
 from core.planning.bodies import load_body
 from core.shoe import shoes
 from shoecal_core.cli.weak_lines import weak_lines
-from shoecal_core.estimation.checks import GAIN_RATIO, check_directions, check_expected, check_gains
+from shoecal_core.error_sources.deviation import Deviation
+from shoecal_core.estimation.checks import (
+    GAIN_RATIO,
+    check_directions,
+    check_expected,
+    check_gains,
+    check_soles,
+)
 from shoecal_core.estimation.fit import self_calibrate
 from shoecal_core.estimation.initial_guess import InitialGuess
+from shoecal_core.estimation.joint_fit import FittedDeviation
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.identifiability import (
     Identifiability,
@@ -27,7 +35,7 @@ from shoecal_core.samples.stance import Stance
 from shoecal_core.screening.findings import of_time_offset
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.screening.verdict import Finding, judge, list_reasons, split_reason
-from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 
 SETTINGS = CalibrationSettings()
@@ -187,3 +195,37 @@ def test_the_worst_finding_decides_and_all_are_told_worst_first() -> None:
 def test_many_reasons_are_counted_in_one_line() -> None:
     assert list_reasons(["a", "b", "c"], 3) == "a; b; c"
     assert list_reasons(["a", "b", "c"], 1) == "a; and 2 more"
+
+
+def placed(channel: str, axis: str, value: float) -> FittedDeviation:
+    """Where a channel acts, as fitted [m]."""
+    deviation = Deviation("cell_position", (channel,), axis, "m", 0.0015, np.zeros((1, 1)))
+    return FittedDeviation(deviation, value, 0.001)
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "words"),
+    [
+        (-0.022, -0.021, "of the left foot 22 mm behind and of the right foot 21 mm behind"),
+        (0.012, 0.004, "of the left foot 12 mm in front"),
+    ],
+)
+def test_soles_at_another_place_are_named_with_how_far(
+    left: float, right: float, words: str
+) -> None:
+    shoe = shoes.shoe("nao_shoe")
+    by_foot = dict(zip(FEET, (left, right), strict=True))
+    found = [placed(name, "x", by_foot[name.split("/")[0]]) for name in shoe.names]
+    found += [placed(name, "y", 0.004) for name in shoe.names]
+    (finding,) = check_soles(shoe, found)
+    assert finding.verdict == "WARN"
+    assert f"the forces {words} of where the files say" in finding.reason
+    assert "feet.*.sole_xyz_m" in finding.reason
+
+
+def test_cells_that_are_off_each_another_way_are_no_sole() -> None:
+    shoe = shoes.shoe("nao_shoe")
+    assert check_soles(shoe, ()) == []
+    signs = np.tile([1.0, -1.0], len(shoe.names) // 2)
+    found = [placed(name, "x", 0.01 * s) for name, s in zip(shoe.names, signs, strict=True)]
+    assert check_soles(shoe, found) == []

@@ -174,6 +174,38 @@ def test_topics_without_stamps_count_when_they_were_received(lab: Lab) -> None:
         lab.imported(lab.folder / "other")
 
 
+@pytest.mark.parametrize("kind", bags.FORMATS)
+@pytest.mark.parametrize("step", [1.0, 0.02])
+def test_stamps_without_their_digits_are_refused_with_the_cure(
+    lab: Lab, kind: str, step: float
+) -> None:
+    """Joints at 100 Hz, stamped in whole steps [s]; by the times of receiving they are fine."""
+    bag = bags.walk(lab.folder, "walk", kind, lab.joints)
+    for received, topic, message in bag._messages:
+        if topic == "/joint_states":
+            message.header.stamp = bag.header(np.floor(received / step) * step).stamp
+    lab.draft(bag.close())
+    lab.edit(received=[])
+    with pytest.raises(FileError) as caught:
+        lab.imported()
+    assert "/joint_states: " in str(caught.value)
+    assert "messages have the stamp of the one before: their sender rounds" in str(caught.value)
+    assert "list the topic under 'received'" in str(caught.value)
+    lab.edit(received=["/joint_states"])
+    assert len(lab.imported().read(1).joints.time) == 200
+
+
+def test_messages_that_are_sent_twice_count_once(lab: Lab) -> None:
+    bag = bags.walk(lab.folder, "walk", "mcap", lab.joints)
+    for received, topic, message in list(bag._messages):
+        if topic == "/joint_states":
+            bag.add(received + 0.003, topic, message)
+    lab.draft(bag.close())
+    run = lab.imported().read(1)
+    assert len(run.joints.time) == 200
+    assert run.info.notes[0].startswith("/joint_states: 200 of 400 messages have a stamp that")
+
+
 def test_stamps_of_another_clock_count_when_they_were_received(lab: Lab) -> None:
     """Where two clocks differ; one that is off with all topics stays."""
     for name, off, received in (

@@ -80,4 +80,4 @@ def test_a_robot_that_is_held_a_little_does_not_hang() -> None:
     whole = hung(recording(1), dangling=0.0, carried=0.5)
     found = screen(whole.runs, whole.aligned, whole.shoe, WEIGHT, SETTINGS)
     assert found.hanging == {}
-    assert any(one.fault is Fault.DISTURBED for one in found.left_out)
+    assert any(one.fault is Fault.PULLED for one in found.left_out)

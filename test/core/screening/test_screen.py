@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -138,6 +139,51 @@ def test_two_runs_that_do_not_agree_are_refused() -> None:
     (finding,) = found.findings
     assert finding.verdict == "FAIL"
     assert "runs 1 and 2 were recorded under weights 5.9 N apart" in finding.reason
+
+
+def pulling(whole: Recording, run: int, share: float, start: float, end: float) -> Recording:
+    """A rope that holds up to a share of the weight, most halfway, by the left foot's cells."""
+    own = whole.shoe.of_foot(0)
+    time = whole.aligned[run].time
+    pull = np.interp(time, [start, (start + end) / 2.0, end], [0.0, -share * WEIGHT, 0.0])
+
+    def pulled(number: int, values: FloatArray) -> FloatArray:
+        if number == run:
+            values[:, own] += pull[:, None] / len(own) / whole.parameters.gain[own]
+        return values
+
+    return whole.with_readings(pulled)
+
+
+@pytest.mark.parametrize("share", [-0.2, 0.05, 0.1, 0.2])
+@pytest.mark.parametrize(("start", "end"), [(6.0, 14.0), (1.0, 29.0)])
+def test_a_pull_for_a_while_is_named_with_times_and_newtons(
+    share: float, start: float, end: float
+) -> None:
+    whole = pulling(recording(count=5), 4, share, start, end)
+    found = screened(whole)
+    finding = found.findings[0]
+    assert (finding.verdict, finding.fault) == ("WARN", Fault.PULLED)
+    words = re.fullmatch(
+        r"run 4: a force from outside of up to (\S+) N (.*) \(at (\S+) to (\S+) s\), while.*",
+        finding.reason,
+    )
+    assert words is not None
+    assert float(words[1]) == pytest.approx(abs(share) * WEIGHT, rel=0.15)
+    assert words[2] == ("held the robot up" if share > 0 else "pressed the robot down")
+    middle = (start + end) / 2.0
+    assert start < float(words[3]) < middle < float(words[4]) < end
+    assert "take off the rope or cable" in finding.reason
+    near = np.abs(whole.aligned[4].time - middle) < 0.2 * (end - start)
+    assert not found.kept[4][near].any()
+    assert {one.fault for one in found.findings} <= {Fault.PULLED, Fault.TOO_LITTLE}
+
+
+def test_a_pull_on_one_of_two_runs_refuses_the_session() -> None:
+    (finding,) = screened(pulling(recording(count=2), 2, 0.2, 6.0, 14.0)).findings
+    assert (finding.verdict, finding.fault) == ("FAIL", Fault.PULLED)
+    assert finding.reason.startswith("run 2: a force from outside of up to ")
+    assert "--train" not in finding.reason
 
 
 def test_what_comes_after_a_slip_is_left_out() -> None:

@@ -1,0 +1,112 @@
+"""Was the robot pulled or pressed for a while: by a rope, a hand, or a cable?
+
+While it only leans, its feet carry the weight at every moment. Each run's vertical force is
+computed with gains and offsets fitted to the other runs alone: fitted to the run itself, they
+follow the pull. What differs all along a run is another weight (`weights`), what is over at once a
+push (`disturbed`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.ndimage import median_filter
+
+from shoecal_core.arrays import FloatArray
+from shoecal_core.samples.stretches import Stretch, lasting, stretches
+from shoecal_core.screening.blocks import Blocks
+from shoecal_core.screening.rough_fit import Equations, reweighed, solve
+from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.weights import OFF_STDS, OPEN_STDS
+
+LASTS_S = 2.0
+"""What is over sooner is no pull; the force is smoothed over half of it."""
+LEAST_SHARE = 0.02
+"""Part of the weight from which a force counts."""
+CONTRADICTS = 2.0
+"""A run that is pulled contradicts itself by so many times as much as others do: no gains and
+offsets of its own make up for the pull, as they would for another weight."""
+JOIN_S = 3.0
+"""Pulls no farther apart than this are reported as one: a rope slackens and tightens."""
+
+
+@dataclass(frozen=True)
+class Pull:
+    """A force from outside on one run.
+
+    Attributes:
+        run: its number.
+        force: where it is largest, positive downwards [N].
+        stretches: when, since the run's start [s].
+        undecided: there is only one other run to see it by.
+    """
+
+    run: int
+    force: float
+    stretches: tuple[Stretch, ...]
+    undecided: bool = False
+
+
+def pulls(
+    runs: Mapping[int, Equations],
+    parts: Mapping[int, Blocks],
+    watched: Collection[int],
+    information: FloatArray,
+    weight: float,
+    settings: CalibrationSettings,
+) -> list[Pull]:
+    """Runs with a force from outside, the worst first, as long as others are there to see it by.
+
+    Args:
+        runs, parts: equations and blocks of each.
+        watched: those that keep both feet on the floor and move slowly.
+        information: (2n,) prior, of gains and offsets.
+        weight: of robot and shoes [N].
+    """
+    kept, found = dict(runs), list[Pull]()
+    alone = {run: _misfit(one, information) for run, one in runs.items()}
+    while len(kept) > 1:
+        seen = [_pull(run, kept, parts[run], information, weight, settings) for run in kept]
+        pulled = [one for one in seen if one is not None and one.run in watched]
+        if not pulled:
+            break
+        # A run that is pulled spoils what is said of the others, but by themselves they fit.
+        worst = max(pulled, key=lambda one: alone[one.run])
+        others = [alone[run] for run in kept if run != worst.run]
+        if alone[worst.run] < CONTRADICTS * float(np.median(others)):
+            break
+        found.append(replace(worst, undecided=len(kept) == 2))
+        del kept[worst.run]
+    return found
+
+
+def _misfit(one: Equations, information: FloatArray) -> float:
+    """RMS of what the run's own gains and offsets leave of its vertical force [stds]."""
+    left = one.off(solve({0: one}, information).vector)[0]
+    return float(np.sqrt((left**2).mean()))
+
+
+def _pull(
+    run: int,
+    runs: Mapping[int, Equations],
+    part: Blocks,
+    information: FloatArray,
+    weight: float,
+    settings: CalibrationSettings,
+) -> Pull | None:
+    others = {number: one for number, one in runs.items() if number != run}
+    fit = solve(reweighed(others, information), information)
+    one, std = runs[run], settings.force_std_n
+    size = 2 * max(1, round(LASTS_S / 4.0 / part.period)) + 1
+    force = median_filter(std * one.off(fit.vector)[0], size, mode="nearest")
+    rows = std * one.matrix[0]
+    left_open = np.sqrt(np.einsum("bi,ij,bj->b", rows, fit.covariance, rows))
+    limit = max(OFF_STDS * std, LEAST_SHARE * weight) + OPEN_STDS * left_open
+    beyond = lasting(np.abs(force) > limit, part.time, LASTS_S)
+    steady = float(np.ptp(np.quantile(force, [0.02, 0.98]))) < float(np.median(limit))
+    if not beyond.any() or steady:
+        return None
+    at = int(np.argmax(np.abs(force) * beyond))
+    return Pull(run, float(force[at]), stretches(beyond, part.time, JOIN_S))
