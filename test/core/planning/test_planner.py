@@ -19,6 +19,7 @@ from shoecal_core.planning.horizon.rolling import Path, PlanningCanceledError, P
 from shoecal_core.planning.landmarks import Contour, sensing_hull
 from shoecal_core.planning.legs import Legs
 from shoecal_core.planning.motion import Motion, timed
+from shoecal_core.planning.motion_catalogue import FASTER
 from shoecal_core.planning.planner import Planner, StartError
 from shoecal_core.planning.posture import middle
 from shoecal_core.planning.segment import MotionSegment, cop_segment
@@ -118,7 +119,7 @@ def test_the_menu() -> None:
     faster = planner.plan(SUPPORTS[0], "faster")
     np.testing.assert_array_equal(faster.path.states, first.path.states)
     holds = 2.0 * SETTINGS.hold_time
-    assert faster.duration - holds == pytest.approx((first.duration - holds) / 1.5, rel=0.02)
+    assert faster.duration - holds == pytest.approx((first.duration - holds) / FASTER, rel=0.02)
     with pytest.raises(NameNotFoundError, match=r"motion named 'dance' .*landmarks"):
         planner.plan(SUPPORTS[0], "dance")
 

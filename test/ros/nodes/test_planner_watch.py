@@ -20,7 +20,7 @@ from shoecal_ros.common.conversions import trajectory_from_ros
 
 PATIENT = {
     "stale_s": 10.0,
-    "follow_late": 4.0,
+    "follow_late": 2.5,
     "tilt_required": False,
     "load_required": False,
 }
