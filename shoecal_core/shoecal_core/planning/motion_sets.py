@@ -37,11 +37,8 @@ class MotionSet:
     @property
     def runs(self) -> tuple[tuple[str, str], ...]:
         """Motion and hint of each run."""
-        return tuple((motion, hint) for hint, motions in self._by_hint for motion in motions)
-
-    @property
-    def _by_hint(self) -> tuple[tuple[str, tuple[str, ...]], ...]:
-        return (TRAIN, self.train), (TEST, self.test)
+        trained = tuple((motion, TRAIN) for motion in self.train)
+        return (*trained, *((motion, TEST) for motion in self.test))
 
 
 STANDARD, THOROUGH = "standard", "thorough"
