@@ -139,7 +139,13 @@ def _calibrate(options: Options, folder: Folder, watch: Stopwatch, progress: Pro
             conductor.wait_for_nodes()
             conductor.arm()
             watch.lap("start")
-            conductor.calibrate(options.supports, options.train, options.seed, receive)
+            goal = Calibrate.Goal(
+                supports=options.supports,
+                train=options.train,
+                seed=options.seed,
+                target=options.target,
+            )
+            conductor.calibrate(goal, receive)
             conductor.see_live()
             watch.lap(STAGES[stage])
 
@@ -199,6 +205,7 @@ def _options(argv: Sequence[str] | None) -> Options:
     parser.add_argument("--shoe", type=Path, default=config / "shoes" / "nao_shoe.yaml")
     parser.add_argument("--supports", type=int, default=5)
     parser.add_argument("--train", type=int, default=3)
+    parser.add_argument("--target", type=float, default=0.0)
     parser.add_argument("--speed", type=float, default=SPEED)
     return Options(**vars(parser.parse_args(argv)))
 

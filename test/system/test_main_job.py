@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -15,6 +16,7 @@ from rosbags.highlevel import AnyReader
 
 from shoecal_core.estimation.calibration import load_calibration
 from shoecal_core.files import read_yaml
+from shoecal_core.planning.motion_sets import MOTION_SETS, STANDARD
 from shoecal_core.recording.session import Session
 from shoecal_core.workflows.calibrate import calibrate_session
 
@@ -113,6 +115,24 @@ def test_no_process_is_left_behind(demo: Path) -> None:
         if str(demo) in line and str(os.getpid()) not in line
     ]
     assert not left
+
+
+def test_runs_train_until_the_target_is_reached(tmp_path: Path) -> None:
+    """A target that few runs reach: those that test are recorded all the same."""
+    out = tmp_path / "out"
+    words = ["demo", "--robot", ROBOT, "--shoe", SHOE, "--supports", "3", "--train", "2"]
+    words += ["--seed", "3", "--target", "40", "--out", out]
+    done = subprocess.run(
+        [str(word) for word in (SHOECAL, *words)], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    hints = [run.hint for run in Session.open(out / "session").runs]
+    standard = MOTION_SETS[STANDARD]
+    assert 2 <= hints.count("train") < len(standard.train)
+    assert hints.count("test") == len(standard.test)
+    log = (out / "logs" / "calibrator.log").read_text()
+    assert re.search(r"target 40 mm reached: expected CoP error of a foot [\d.]+ mm", log)
+    assert json.loads((out / "result.json").read_text())["verdict"] != "FAIL"
 
 
 def test_an_unwritable_folder_is_one_clear_line(tmp_path: Path) -> None:

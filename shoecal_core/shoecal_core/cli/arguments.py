@@ -47,6 +47,17 @@ def rate_hz(text: str) -> float:
     return rate
 
 
+def length_mm(text: str) -> float:
+    """A length in millimetres."""
+    try:
+        length = float(text)
+    except ValueError:
+        length = float("nan")
+    if not 0.1 <= length <= 100.0:
+        raise argparse.ArgumentTypeError(f"'{text}': expected 0.1 to 100 mm")
+    return length
+
+
 def require_folder(path: Path) -> None:
     """Refuse, before any work, a file whose folder does not exist, or that is a folder itself."""
     if path.is_dir():

@@ -73,6 +73,8 @@ def trust_lines(assessment: Assessment, screening: Screening) -> list[str]:
     lines += [f"the data identify {known.rank} of {possible} directions", *weak_lines(known)]
     if assessment.budget is not None:
         lines.append(f"largest sources of the expected CoP error: {budget_text(assessment.budget)}")
+    if assessment.another is not None:
+        lines.append(another_text(assessment, assessment.another.run))
     count = sum(screening.samples.values())
     lost = sum(one.samples for one in screening.left_out)
     if lost:
@@ -82,6 +84,19 @@ def trust_lines(assessment: Assessment, screening: Screening) -> list[str]:
             + ", ".join(causes)
         )
     return lines
+
+
+def another_text(assessment: Assessment, run: int) -> str:
+    """What recording a run once more would win."""
+    both, feet = assessment.expected_cop()
+    then, feet_then = assessment.expected_cop_with_another()
+    falls = [f"both feet {_fall(both, then)}"]
+    falls += [f"{name} {_fall(size, feet_then[name])}" for name, size in feet.items()]
+    return f"expected CoP error if run {run} were recorded once more: {', '.join(falls)} mm"
+
+
+def _fall(now: float, then: float) -> str:
+    return f"{1e3 * now:.1f} to {1e3 * then:.1f}"
 
 
 def budget_text(budget: Budget) -> str:

@@ -17,7 +17,7 @@ from typing import cast
 
 from rich.console import Console
 
-from shoecal_core.cli.arguments import add_shoe, seed_number, shoe_file
+from shoecal_core.cli.arguments import add_shoe, length_mm, seed_number, shoe_file
 from shoecal_core.end_with_parent import ending_with_parent
 from shoecal_core.errors import ShoecalError, ToldError
 from shoecal_core.files import read_bytes
@@ -37,6 +37,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_shoe(parser)
     parser.add_argument("--supports", type=int, default=5, help="double supports to visit")
     parser.add_argument("--train", type=int, default=3, help="of them used for the fit")
+    parser.add_argument(
+        "--target", type=length_mm, metavar="MM",
+        help="expected CoP error of each foot (mm) at which no further run trains (default: all "
+        "runs train)",
+    )  # fmt: skip
 
 
 def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
@@ -59,6 +64,8 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         "--supports", str(args.supports),
         "--train", str(args.train),
     ]  # fmt: skip
+    if args.target is not None:
+        command += ["--target", str(1e-3 * args.target)]
     if args.reality is not None:
         command += ["--reality", str(args.reality)]
     environment = ros_environment()

@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from shoecal_core.arrays import FloatArray
-from shoecal_core.error_sources.body import driven_together
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.estimation.accuracy import Misfit
+from shoecal_core.estimation.another_run import AnotherRun, another_run
 from shoecal_core.estimation.budget import Budget, budget
-from shoecal_core.estimation.expected import ErrorModel, Spread
+from shoecal_core.estimation.expected import ErrorModel, Spread, support_covariance
 from shoecal_core.estimation.fit import SelfCalibration
 from shoecal_core.estimation.joint_fit import JointFit
 from shoecal_core.planning.settings import PlannerSettings
@@ -33,38 +33,6 @@ from shoecal_core.samples.stance import Stance
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.shoe.shoe import FEET, Shoe
 
-PLANAR = (0, 1, 5)
-"""Of the six numbers of the right sole's pose in the left's: dx, dy, dtheta."""
-
-
-def support_covariance(joint: JointFit | None, tolerances: Tolerances) -> FloatArray:
-    """(3, 3) of dx, dy, dtheta in any double support [m, m, rad].
-
-    What each run has by itself, and what is still believed of the joints' zeros.
-    """
-    stds = np.array([tolerances.support_m, tolerances.support_m, tolerances.support_rad])
-    own: FloatArray = np.diag(stds**2)
-    if joint is None:
-        return own
-    signal_model = joint.signal_model
-    zeros = [
-        (index, one.deviation.location[0])
-        for index, one in enumerate(joint.deviations, start=len(joint.vector))
-        if one.deviation.effect == "joint_offset"
-    ]
-    if not zeros or not signal_model.samples.both.any():
-        return own
-    robot = signal_model.samples.robot
-    mean = signal_model.jacobians.closure[signal_model.samples.both][:, PLANAR].mean(axis=0)
-    slopes = np.zeros((3, len(zeros)))
-    for column, (_, name) in enumerate(zeros):
-        for moved, ratio in driven_together(robot, robot.joint(name)):
-            slopes[:, column] += ratio * mean[:, moved]
-    indices = np.array([index for index, _ in zeros])
-    covariance: FloatArray = own + slopes @ joint.covariance[np.ix_(indices, indices)] @ slopes.T
-    return covariance
-
-
 NORMAL_95 = 1.96
 """Half the width of a 95 % interval, in standard deviations."""
 
@@ -78,6 +46,7 @@ class Assessment:
         error_model: of the expected errors at any load.
         both, left, right: expected errors over the sensing polygons: see `ErrorModel`.
         budget: where they come from; None for a walk, whose model errors are not known.
+        another: the training run to record once more, and what that would win; None likewise.
         identifiability: by the data themselves: rank, singular values, weak directions.
         support_to_add: double support that would fix weak directions best; None where none is
             weak, or the robot can stand in none.
@@ -92,6 +61,7 @@ class Assessment:
     left: Spread
     right: Spread
     budget: Budget | None
+    another: AnotherRun | None
     identifiability: Identifiability
     support_to_add: DoubleSupport | None
     seen_std: FloatArray
@@ -123,6 +93,18 @@ class Assessment:
         feet = {name: _mean(one.cop_mean) for name, one in zip(FEET, self.feet, strict=True)}
         return _mean(self.both.cop_mean), feet
 
+    def expected_cop_with_another(self) -> tuple[float, dict[str, float]]:
+        """The same, were the run of `another` recorded once more.
+
+        Raises:
+            ValueError: when that is not known.
+        """
+        if self.another is None:
+            raise ValueError("what another run would win is not known")
+        both, feet = self.expected_cop()
+        ratio = dict(zip(("both", *FEET), self.another.ratio.tolist(), strict=True))
+        return ratio["both"] * both, {name: ratio[name] * size for name, size in feet.items()}
+
     def interval(self) -> FloatArray:
         """(2n + 1,) half 95 % intervals: gains and offsets as `seen_std`, time offset."""
         time_offset_std = np.sqrt(self.covariance[-1, -1])
@@ -152,6 +134,7 @@ class Assessment:
             "supports_to_add": [] if add is None else [{"support": [add.dx, add.dy, add.dtheta]}],
             "load_range_n": dict(zip(shoe.names, self.load_range.T.tolist(), strict=True)),
             "budget": [] if self.budget is None else self.budget.to_json(),
+            "another_run": None if self.another is None else self.another.to_json(),
         }
 
 
@@ -191,7 +174,7 @@ def assess(
         support_covariance(joint, tolerances),
         tolerances,
     )
-    both, left, right = errors.over_polygons()
+    spreads = both, left, right = errors.over_polygons()
     planning = PlannerSettings(fixed_below=settings.fixed_below)
     information = stages.fit.information[: 2 * count, : 2 * count]
     known = relative_information(robot, shoe, parameters, information)
@@ -207,7 +190,8 @@ def assess(
         both=both,
         left=left,
         right=right,
-        budget=None if joint is None else budget(joint, errors, (both, left, right)),
+        budget=None if joint is None else budget(joint, errors, spreads),
+        another=None if joint is None else another_run(joint, errors, spreads, tolerances),
         identifiability=found,
         support_to_add=best_addition(robot, shoe, known, planning) if found.weak else None,
         seen_std=_seen_std(robot, stages, covariance, planning),

@@ -15,7 +15,7 @@ Samples are means over 1 / RATE_HZ: the noise of single readings would bias the 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -66,6 +66,7 @@ class JointFit:
     The covariance's order is gains, offsets, time offset, deviations.
 
     Attributes:
+        system: the problem as the last step solved it.
         signal_model: of all runs, at the fitted gains and offsets.
         time_offset: the joints are late by this [s].
         away: (2n + 1,) gains, offsets and time offset, less the middle of their priors.
@@ -81,6 +82,7 @@ class JointFit:
         residuals: (T, s) what neither deviations nor nuisances explain.
     """
 
+    system: LinearSystem
     signal_model: SignalModel
     time_offset: float
     away: FloatArray
@@ -113,6 +115,11 @@ class JointFit:
             if one.deviation.shoe_column is not None:
                 columns = columns + one.value * one.deviation.shoe_column
         return shoe.with_columns(columns)
+
+    def with_another(self, run: int) -> JointFit:
+        """The same values, as certain as they were had a training run been recorded twice."""
+        covariance = _signed(self.system.covariance_with_another(run), self.system)
+        return replace(self, covariance=covariance)
 
     @property
     def measuring(self) -> tuple[FloatArray, list[FloatArray]]:
@@ -268,19 +275,17 @@ def _joint_fit(
     """The result, for a solution that has settled."""
     first = 2 * len(signal_model.parameters.gain) + 1
     size = first + len(system.deviations)
-    # Gains and offsets enter as what they are too large by.
-    sign = np.ones(size)
-    sign[: first - 1] = -1.0
-    covariance = system.covariance()[:size, :size] * np.outer(sign, sign)
+    covariance = _signed(system.covariance(), system)
     own = first - 1
     # The cost is quadratic about its minimum, which the last step leads to.
-    gradient = 2.0 * np.linalg.solve(covariance[:own, :own], sign[:own] * solution[:own])
+    gradient = 2.0 * np.linalg.solve(covariance[:own, :own], -solution[:own])
     stds = np.sqrt(np.diag(covariance))[first:]
     fitted = tuple(
         FittedDeviation(one, float(value), float(std))
         for one, value, std in zip(system.deviations, solution[first:size], stds, strict=True)
     )
     return JointFit(
+        system=system,
         signal_model=signal_model,
         time_offset=float(solution[first - 1]),
         away=np.append(
@@ -297,3 +302,15 @@ def _joint_fit(
         gradient_norm=float(np.abs(np.sqrt(np.diag(covariance)[:own]) * gradient).max()),
         residuals=system.signal_model.residuals - np.tensordot(solution, system.columns, 1),
     )
+
+
+def _signed(covariance: FloatArray, system: LinearSystem) -> FloatArray:
+    """That of gains, offsets, time offset and deviations, of one of all unknowns of a system.
+
+    Gains and offsets enter a system as what they are too large by.
+    """
+    own = 2 * len(system.signal_model.parameters.gain)
+    sign = np.ones(own + 1 + len(system.deviations))
+    sign[:own] = -1.0
+    signed: FloatArray = covariance[: len(sign), : len(sign)] * np.outer(sign, sign)
+    return signed

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from shoecal_core.arrays import BoolArray, FloatArray
+from shoecal_core.arrays import BoolArray, FloatArray, IntArray
 from shoecal_core.error_sources.as_built import of_shoes
 from shoecal_core.error_sources.deviation import Deviation
 from shoecal_core.error_sources.posterior import Posterior
@@ -32,6 +32,8 @@ class LinearSystem:
         columns: (u, T, s).
         rows: (u, r) the same whitened, for r signals that are there.
         target: (r,) whitened residuals.
+        runs: (r,) the run that each is of; -1 of what is known without a recording.
+        own: (u,) which unknowns one run has by itself.
     """
 
     signal_model: SignalModel
@@ -41,6 +43,8 @@ class LinearSystem:
     columns: FloatArray
     rows: FloatArray
     target: FloatArray
+    runs: IntArray
+    own: BoolArray
 
     @classmethod
     def at(
@@ -105,6 +109,9 @@ class LinearSystem:
             more_rows = np.concatenate((more_rows, rows), axis=1)
             more_target = np.concatenate((more_target, target))
         scale = 1.0 / np.broadcast_to(sample_std, there.shape)[there]
+        runs = np.broadcast_to(signal_model.samples.run[:, None], there.shape)[there]
+        single = [one.run is not None for one in deviations]
+        single += [not one.shared for one in nuisances]
         return cls(
             signal_model=signal_model,
             deviations=deviations,
@@ -113,11 +120,23 @@ class LinearSystem:
             columns=columns,
             rows=np.concatenate((columns[:, there] * scale, more_rows), axis=1),
             target=np.concatenate((signal_model.residuals[there] * scale, more_target)),
+            runs=np.concatenate((runs, np.full(len(more_target), -1))),
+            own=np.concatenate((np.zeros(own + 1, dtype=np.bool_), single)),
         )
+
+    @property
+    def recorded(self) -> tuple[int, ...]:
+        """Runs that are fitted."""
+        return tuple(np.unique(self.runs[self.runs >= 0]).tolist())
+
+    @cached_property
+    def _normal(self) -> FloatArray:
+        normal: FloatArray = self.rows @ self.rows.T
+        return normal
 
     @cached_property
     def _posterior(self) -> Posterior:
-        return Posterior(self.rows @ self.rows.T, self.std**-2.0)
+        return Posterior(self._normal, self.std**-2.0)
 
     def solution(self) -> FloatArray:
         """(u,) of least cost."""
@@ -126,6 +145,21 @@ class LinearSystem:
     def covariance(self) -> FloatArray:
         """(u, u) of the unknowns."""
         return self._posterior.covariance
+
+    def covariance_with_another(self, run: int) -> FloatArray:
+        """(u, u) of the unknowns, had a run been recorded once more.
+
+        The same motion gives the same derivatives. Noise, and the unknowns that a run has by
+        itself, are drawn again: the latter are marginalised.
+        """
+        rows = self.rows[:, self.runs == run]
+        normal = rows @ rows.T
+        shared = ~self.own
+        drawn = Posterior(normal[np.ix_(self.own, self.own)], self.std[self.own] ** -2.0)
+        lost = drawn.whiten(normal[np.ix_(self.own, shared)])
+        more = self._normal.copy()
+        more[np.ix_(shared, shared)] += normal[np.ix_(shared, shared)] - lost.T @ lost
+        return Posterior(more, self.std**-2.0).covariance
 
     def cost(self, unknowns: FloatArray) -> float:
         """Sum of squares at these unknowns (u,), priors included."""

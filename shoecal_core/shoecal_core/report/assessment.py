@@ -227,8 +227,22 @@ def helps_table(assessed: Assessment) -> Table | None:
         "What would help most",
         ("if known exactly", "both feet", *(f"{side} foot" for side in FEET), "how"),
         rows,
-        "Expected CoP error before → after, as in the table of expected errors.",
+        "Expected CoP error before → after, as in the table of expected errors."
+        + _another(assessed),
     )
+
+
+def _another(assessed: Assessment) -> str:
+    """What recording a run once more would win."""
+    if assessed.another is None:
+        return ""
+    both, feet = assessed.expected_cop()
+    then, feet_then = assessed.expected_cop_with_another()
+    falls = [("both feet", both, then)]
+    falls += [(f"{name} foot", size, feet_then[name]) for name, size in feet.items()]
+    won = [f"{name} {fall}" for name, *sizes in falls if (fall := _falls(*sizes)) != UNKNOWN]
+    run = f" Run {assessed.another.run} recorded once more"
+    return f"{run}: {', '.join(won)}." if won else f"{run} would win nothing."
 
 
 def _falls(now: float, then: float) -> str:

@@ -22,6 +22,10 @@ class JobSettings(Settings):
         + "; ".join(f"{name}: {one.doc}" for name, one in MOTION_SETS.items())
         + "), or one motion of the planner's catalogue in each support, as the paper's landmarks",
     )  # fmt: skip
+    target_m: float = setting(
+        0.0, "m", "expected CoP error of each foot at which no further run trains, of a "
+        "self-calibration by the joint fit; 0: all train", minimum=0.0,
+    )  # fmt: skip
     sessions_dir: str = setting(
         "~/.ros/shoecal/sessions",
         "",

@@ -12,6 +12,7 @@ import numpy as np
 from shoecal_core.diagnosis.possible_motions import stance
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources.tolerances import Tolerances
+from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.calibration import Calibration, save_calibration
 from shoecal_core.files import atomic_write
 from shoecal_core.planning.motion_sets import (
@@ -30,6 +31,7 @@ from shoecal_core.planning.supports.feasible import Feasible
 from shoecal_core.recording.session import RunEntry, Session
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.verdict import list_reasons
 from shoecal_core.workflows.calibrate import calibrate_session
 from shoecal_ros.calibrator.proposals import planned_as, proposal
 from shoecal_ros.common.robot_files import RobotFiles
@@ -90,6 +92,46 @@ def calibration_runs(
         PlannedRun(support, motion, TRAIN if index in training else TEST)
         for index, support in enumerate(supports)
     ]
+
+
+@dataclass(frozen=True)
+class Reached:
+    """How good a calibration the runs recorded so far give.
+
+    Attributes:
+        cop: the larger expected CoP error of a foot [m]; infinite while there is no calibration.
+        message: the same for a person, with what another run would win.
+    """
+
+    cop: float
+    message: str
+
+
+def reached(
+    link: Link,
+    folder: Path,
+    settings: CalibrationSettings,
+    tolerances: Tolerances,
+    manual: Calibration | None,
+) -> Reached:
+    """What the runs of a session give by now; arguments as of `solve`."""
+    del link
+    try:
+        outcome = calibrate_session(
+            Session.open(folder), settings=settings, tolerances=tolerances, manual=manual
+        )
+    except ShoecalError as error:
+        return Reached(np.inf, f"no calibration yet: {error}")
+    if outcome.calibration.verdict == "FAIL":
+        return Reached(np.inf, f"no calibration yet: {list_reasons(outcome.calibration.reasons)}")
+    _, feet = outcome.assessment.expected_cop()
+    _, then = outcome.assessment.expected_cop_with_another()
+    now, next_ = max(feet.values()), max(then.values())
+    return Reached(
+        now,
+        f"expected CoP error of a foot {1e3 * now:.1f} mm; the best of these runs once more would "
+        f"make that {1e3 * next_:.1f} mm",
+    )
 
 
 def solve(

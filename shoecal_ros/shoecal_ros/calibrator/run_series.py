@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,7 @@ from shoecal_msgs.action import Plan, ReachSupport
 
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import system_error
-from shoecal_core.planning.motion_sets import PlannedRun
+from shoecal_core.planning.motion_sets import TRAIN, PlannedRun
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_ros.calibrator.calibrator_base import PLAN_ACTION, REACH_ACTION, CalibratorBase
@@ -84,17 +84,33 @@ class RunSeries:
         self._report_all = reported
         self._index = self._count = 0
 
-    async def record(self, runs: Sequence[PlannedRun]) -> None:
-        """Do them all, in their order.
+    async def record(
+        self,
+        runs: Sequence[PlannedRun],
+        enough: Callable[[], Awaitable[bool]] | None = None,
+    ) -> None:
+        """Do them in their order.
+
+        Args:
+            runs: all of them.
+            enough: asked after each run that trains, whether those that would still train are left
+                out; None: they are not.
 
         Raises:
             RefusedError: when it must end before.
         """
-        self._count = len(runs)
-        for self._index, run in enumerate(runs, start=1):
+        left = list(runs)
+        self._index, self._count = 0, len(left)
+        while left:
+            run = left.pop(0)
+            self._index += 1
             await self._reach(run.support)
             await self._stand_still()
             await self._move(run)
+            trains = any(one.hint == TRAIN for one in left)
+            if enough is not None and run.hint == TRAIN and trains and await enough():
+                left = [one for one in left if one.hint != TRAIN]
+                self._count = self._index + len(left)
 
     async def _reach(self, support: DoubleSupport) -> None:
         place = str(support)

@@ -48,7 +48,8 @@ class SelfCalibrationServer(JobServer[CalibrationJob]):
         await self._calibrations.apply_found(
             calibration, job.run_id, warned=node.job_settings.apply_warned
         )
-        return f"'{calibration.id}' in force: {list_reasons(calibration.reasons)}"
+        found = f"'{calibration.id}' in force: {list_reasons(calibration.reasons)}"
+        return f"{found}; {job.summary}" if job.summary else found
 
     async def _self_calibrate(
         self, request: SelfCalibrate.Request, response: SelfCalibrate.Response

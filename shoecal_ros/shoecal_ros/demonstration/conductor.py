@@ -95,9 +95,9 @@ class Conductor:
         self._until(answer.done, ANSWER_S, lambda: "shoe/arm does not answer")
 
     def calibrate(
-        self, supports: int, train: int, seed: int, feedback: Callable[[Calibrate.Feedback], None]
+        self, goal: Calibrate.Goal, feedback: Callable[[Calibrate.Feedback], None]
     ) -> Calibrate.Result:
-        """Run the self-calibration to its end.
+        """Run a self-calibration to its end.
 
         Raises:
             DemoError: when it fails, with its message.
@@ -111,7 +111,6 @@ class Conductor:
             heard = time.monotonic()
             feedback(message.feedback)
 
-        goal = Calibrate.Goal(supports=supports, train=train, seed=seed)
         sent = client.send_goal_async(goal, receive)
         self._until(sent.done, ANSWER_S, lambda: "shoe/calibrate does not answer")
         answer = sent.result().get_result_async()

@@ -21,6 +21,7 @@ class Options:
         robot, shoe: their files.
         reality: changes to the default reality, None for none.
         supports, train: double supports to visit, and of them for the fit.
+        target: expected CoP error of each foot at which no further run trains [m]; 0: all train.
         speed: simulated over wall-clock time that is tried for.
     """
 
@@ -31,6 +32,7 @@ class Options:
     reality: Path | None
     supports: int
     train: int
+    target: float
     speed: float
 
 

@@ -9,9 +9,8 @@ import pytest
 
 from core.estimation.drawn import TOLERANCES, Drawn, drawn
 from shoecal_core.error_sources.tolerances import Tolerances
-from shoecal_core.estimation.assessment import support_covariance
 from shoecal_core.estimation.budget import NOISE, PRIOR, SIDEWAYS, SUPPORT, Budget, budget
-from shoecal_core.estimation.expected import ErrorModel
+from shoecal_core.estimation.expected import ErrorModel, support_covariance
 
 
 def budget_of(found: Drawn, tolerances: Tolerances = TOLERANCES) -> Budget:

@@ -11,8 +11,7 @@ from core.error_sources.altered import body_states
 from core.estimation.drawn import TOLERANCES, Drawn
 from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.body import closure, driven_together
-from shoecal_core.estimation.assessment import support_covariance
-from shoecal_core.estimation.expected import ErrorModel, Spread
+from shoecal_core.estimation.expected import ErrorModel, Spread, support_covariance
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.shoe.wrench import ChannelParameters, combined, cop, foot_wrenches
 

@@ -10,6 +10,7 @@ import pytest
 
 from core.estimation.drawn import SETTINGS, TOLERANCES, Drawn, drawn
 from shoecal_core.arrays import FloatArray
+from shoecal_core.error_sources.posterior import Posterior
 from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.joint_fit import SETTLED, fit_jointly
 from shoecal_core.samples.samples import Samples
@@ -162,3 +163,29 @@ def test_training_runs_without_samples_are_refused(known: Drawn) -> None:
     guess = known.parameters
     with pytest.raises(ShoecalError, match="no sample that can be fitted"):
         fit_jointly(known.fit.signal_model.samples, (99,), guess, SETTINGS, TOLERANCES, 0.02)
+
+
+def test_another_run_counts_as_one_whose_own_unknowns_are_drawn_anew(known: Drawn) -> None:
+    """The same as unknowns and rows of a second recording, written out."""
+    system = known.fit.system
+    run = system.recorded[0]
+    rows = system.rows[:, system.runs == run]
+    again = np.concatenate((np.where(system.own[:, None], 0.0, rows), rows[system.own]))
+    first = np.concatenate((system.rows, np.zeros((system.own.sum(), system.rows.shape[1]))))
+    whole = np.concatenate((first, again), axis=1)
+    std = np.concatenate((system.std, system.std[system.own]))
+    expected = Posterior(whole @ whole.T, std**-2.0).covariance[: len(system.std)]
+    found = system.covariance_with_another(run)
+    units = np.sqrt(np.outer(*2 * (np.diag(system.covariance()),)))
+    np.testing.assert_allclose(
+        found / units, expected[:, : len(system.std)] / units, rtol=0.0, atol=1e-6
+    )
+
+
+def test_another_run_makes_all_more_certain_and_changes_no_value(known: Drawn) -> None:
+    fit = known.fit
+    for run in fit.system.recorded:
+        more = fit.with_another(run)
+        assert (np.diag(more.covariance) <= np.diag(fit.covariance) * (1.0 + 1e-6)).all()
+        assert more.covariance.trace() < fit.covariance.trace()
+        np.testing.assert_array_equal(more.vector, fit.vector)

@@ -12,10 +12,10 @@ from core.robot import robots
 from core.shoe import shoes
 from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.tolerances import Tolerances
-from shoecal_core.estimation.assessment import Assessment, support_covariance
+from shoecal_core.estimation.assessment import Assessment
 from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.estimation.comparison import StanceComparison
-from shoecal_core.estimation.expected import ErrorModel
+from shoecal_core.estimation.expected import ErrorModel, support_covariance
 from shoecal_core.estimation.fit import SelfCalibration, self_calibrate
 from shoecal_core.estimation.series import Series, measured_series, modelled_series
 from shoecal_core.planning.settings import PlannerSettings
@@ -107,6 +107,7 @@ def assessment_of(
         left=left,
         right=right,
         budget=None,
+        another=None,
         identifiability=found,
         support_to_add=DoubleSupport(0.08, -0.11, 0.5) if found.weak else None,
         seen_std=np.sqrt(np.diag(covariance)[:size]),

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
+import shutil
 from multiprocessing import Pipe
 from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 from ros.bodies import NAO, NAO_SHOE
 from shoecal_core import cli
@@ -46,3 +49,33 @@ def test_a_manual_calibration_is_the_prior_of_the_fit(folder: Path) -> None:
     np.testing.assert_allclose(with_prior.parameters.gain, by_command.parameters.gain, rtol=1e-9)
     kept = load_calibration(session / job_work.CALIBRATION)
     np.testing.assert_array_equal(kept.parameters.gain, with_prior.parameters.gain)
+
+
+def shortened(folder: Path, count: int, into: Path) -> Path:
+    """The session as it was after so many of its runs."""
+    shutil.copytree(folder, into)
+    for later in sorted(into.glob("run_*.mcap"))[count:]:
+        later.unlink()
+    index = yaml.safe_load((into / "session.yaml").read_text())
+    index["runs"] = index["runs"][:count]
+    (into / "session.yaml").write_text(yaml.safe_dump(index))
+    return into
+
+
+def test_each_run_brings_the_feet_nearer_to_a_target(folder: Path, tmp_path: Path) -> None:
+    settings, tolerances, link = CalibrationSettings(), Tolerances(), Link(Pipe()[1])
+
+    def reached(count: int) -> job_work.Reached:
+        session = shortened(folder / "session", count, tmp_path / str(count))
+        return job_work.reached(link, session, settings, tolerances, None)
+
+    one, two, three, four = (reached(count) for count in (1, 2, 3, 4))
+    assert one.cop == two.cop == np.inf
+    assert "no calibration yet: " in one.message
+    assert "record at least 2" in one.message
+    assert 0.010 > three.cop > four.cop > 0.001
+    said = re.search(r"of a foot ([\d.]+) mm; .* would make that ([\d.]+) mm", four.message)
+    assert said
+    now, then = map(float, said.groups())
+    assert now == pytest.approx(1e3 * four.cop, abs=0.06)
+    assert 0.5 * now < then <= now

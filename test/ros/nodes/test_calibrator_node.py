@@ -389,7 +389,7 @@ def test_offsets_are_not_corrected_while_the_robot_moves(world: World) -> None:
     assert "stand still" in refused.message
 
 
-def calibrate(world: World, **goal: int) -> Goal:
+def calibrate(world: World, **goal: float) -> Goal:
     return world.goal(Calibrate, "shoe/calibrate", Calibrate.Goal(**{"seed": -1, **goal}))
 
 
@@ -403,6 +403,10 @@ def test_a_job_needs_arming_inputs_and_sense(world: World, robot: StandingRobot)
     world.arm("calibrator")
     bad = calibrate(world, supports=3, train=4).result()
     assert bad.error_code == codes.BAD_GOAL
+    for target in (-0.001, np.nan, np.inf):
+        bad = calibrate(world, target=target).result()
+        assert bad.error_code == codes.BAD_GOAL
+        assert "in metres" in bad.message
     robot.publishes_voltages = False
     world.until_reported("calibrator", "voltages", "no voltages for")
     stale = calibrate(world).result()
