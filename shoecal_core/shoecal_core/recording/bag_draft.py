@@ -13,7 +13,7 @@ import numpy as np
 import yaml
 
 from shoecal_core.recording.bag import Bag
-from shoecal_core.recording.bag_mapping import CHOOSE, FORMAT
+from shoecal_core.recording.bag_mapping import CHOOSE
 from shoecal_core.recording.bag_match import (
     Match,
     TopicContent,
@@ -29,7 +29,7 @@ from shoecal_core.recording.bag_match import (
 from shoecal_core.recording.bag_support import Standing, angles_in_degrees, standing
 from shoecal_core.recording.container import MAX_RECORDS
 from shoecal_core.recording.errors import RecordingError
-from shoecal_core.recording.foreign import ANGLE_UNIT
+from shoecal_core.recording.mapping import ANGLE_UNIT, FORMAT
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import AXES, FEET, Shoe

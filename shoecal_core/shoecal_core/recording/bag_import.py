@@ -3,54 +3,40 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Sequence
 from itertools import chain
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import FieldError
 from shoecal_core.recording import foreign, messages, schemas
 from shoecal_core.recording.bag import Bag, BagMessage
-from shoecal_core.recording.bag_fields import numbers_in, table
-from shoecal_core.recording.bag_mapping import (
-    BagMapping,
-    BagTrial,
-    NamedTopics,
-    load_bag_mapping,
+from shoecal_core.recording.bag_fields import (
+    IMU,
+    JOINT_STATE,
+    POSES,
+    SENSORS,
+    WRENCH,
+    numbers_in,
+    stamp_ns,
+    table,
 )
+from shoecal_core.recording.bag_mapping import BagMapping, NamedTopics, load_bag_mapping
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.foreign import ImportedRun, StampedMessage, Stamps
 from shoecal_core.recording.imported_angles import check_angles
 from shoecal_core.recording.join import few_digits, in_order, two_orders, two_orders_text
+from shoecal_core.recording.mapping import BAG, Trial
 from shoecal_core.recording.names import without_prefix
 from shoecal_core.recording.schemas import SHOE_VOLTAGES_TYPE
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.urdf import ROOT_JOINTS, Outline, read_outline, read_urdf
 from shoecal_core.shoe.shoe import Shoe, load_shoe
-
-JOINT_STATE = "sensor_msgs/msg/JointState"
-WRENCH = "geometry_msgs/msg/WrenchStamped"
-IMU = "sensor_msgs/msg/Imu"
-
-
-def _pose(content: Any) -> list[float]:
-    return [*_xyz(content.position), *_xyzw(content.orientation)]
-
-
-POSE_TYPES: dict[str, Callable[[Any], list[float]]] = {
-    "nav_msgs/msg/Odometry": lambda content: _pose(content.pose.pose),
-    "geometry_msgs/msg/PoseStamped": lambda content: _pose(content.pose),
-    "geometry_msgs/msg/PoseWithCovarianceStamped": lambda content: _pose(content.pose.pose),
-    "geometry_msgs/msg/TransformStamped": lambda content: [
-        *_xyz(content.transform.translation), *_xyzw(content.transform.rotation)
-    ],
-}  # fmt: skip
-"""Types that a base pose is read from: position and quaternion x y z w of a message."""
 
 
 def import_bags(mapping_path: Path, folder: Path, out: Path) -> Session:
@@ -70,32 +56,10 @@ def import_bags(mapping_path: Path, folder: Path, out: Path) -> Session:
     """
     folder = Path(folder)
     mapping = load_bag_mapping(Path(mapping_path), folder)
-    shoe = load_shoe(mapping.files.shoe)
-    importer = _Importer(mapping, read_outline(mapping.files.urdf), shoe)
-    runs = [importer.run(folder / trial.bag, trial) for trial in mapping.trials]
-    runs = check_angles(mapping.path, mapping.files, runs)
-    return foreign.write_session(out, mapping.files, runs)
-
-
-@dataclass
-class _Samples:
-    """Messages of one topic and one set of names.
-
-    Attributes:
-        stamps: [ns].
-        rows: numbers of each message.
-        frame: of the first.
-    """
-
-    frame: str = ""
-    stamps: list[int] = field(default_factory=list)
-    rows: list[Sequence[float] | FloatArray] = field(default_factory=list)
-
-    def ordered(self) -> tuple[Stamps, FloatArray]:
-        """Stamps (T,) [ns] that increase, and rows (T, k) in the message's units."""
-        stamps = np.array(self.stamps, dtype=np.int64)
-        kept = in_order(stamps)
-        return stamps[kept], np.array(self.rows, dtype=np.float64)[kept]
+    head = mapping.head
+    importer = _Importer(mapping, read_outline(head.urdf), load_shoe(head.shoe))
+    runs = [importer.run(folder / trial.files[BAG], trial) for trial in head.trials]
+    return foreign.write_session(out, head, check_angles(head, runs))
 
 
 class _Importer:
@@ -106,17 +70,17 @@ class _Importer:
             for path, name in names.items():
                 if name not in shoe.names:
                     raise FieldError(
-                        mapping.path,
+                        mapping.head.path,
                         f"'{name}' is no channel of '{shoe.name}' ({', '.join(shoe.names)})",
                         field=f"cells.{topic}.{path}",
                     )
         for foot in mapping.wrenches:
-            foreign.check_six_axis(mapping.path, f"wrenches.{foot}", shoe, foot)
+            foreign.check_six_axis(mapping.head.path, f"wrenches.{foot}", shoe, foot)
         fields = mapping.joints.fields.values()
         self._joints_by_field = {name for names in fields for name in names.values()}
         self._base_T_link = _base_T_link(mapping)
 
-    def run(self, path: Path, trial: BagTrial) -> ImportedRun:
+    def run(self, path: Path, trial: Trial) -> ImportedRun:
         """One trial.
 
         Raises:
@@ -152,7 +116,7 @@ class _Importer:
                 f"has no message of {', '.join(missing)} in this trial; check from_s and to_s (the "
                 f"bag is {length_s:.1f} s long)",
             )
-        return ImportedRun(path, trial.run, found, tuple(notes))
+        return ImportedRun(path, trial, found, tuple(notes))
 
     def _check_topics(self, bag: Bag) -> None:
         mapping = self._mapping
@@ -160,7 +124,7 @@ class _Importer:
             ("joints.topics", mapping.joints.topics, [JOINT_STATE]),
             ("cells.topics", mapping.cells.topics, [SHOE_VOLTAGES_TYPE]),
             ("imu.topic", [mapping.imu] if mapping.imu else [], [IMU]),
-            ("base_pose.topic", [mapping.base_pose.topic] if mapping.base_pose else [], POSE_TYPES),
+            ("base_pose.topic", [mapping.base_pose.topic] if mapping.base_pose else [], POSES),
         ]
         kinds += [
             (f"wrenches.{foot}.topic", [wrench.topic], [WRENCH])
@@ -175,7 +139,7 @@ class _Importer:
                 if topic not in fitting:
                     kind = f"is {bag.topics[topic].type}" if topic in bag.topics else "is missing"
                     raise FieldError(
-                        mapping.path,
+                        mapping.head.path,
                         f"'{topic}' {kind} in {bag.path.name}; topics of {' or '.join(types)} "
                         f"there: {', '.join(fitting) or 'none'}",
                         field=key,
@@ -222,18 +186,21 @@ class _Importer:
         if topic in mapping.cells.topics:
             return self._voltages(stamps, contents)
         frame = self._frame(topic, str(contents[0].header.frame_id), notes)
+        numbers = SENSORS[contents[0].__msgtype__]
+        kept, rows = _ordered(stamps, [numbers(one) for one in contents])
         if topic == mapping.imu:
-            return _imu(frame, stamps, contents)
+            # By the message's definition -1 as first element says that there is no orientation;
+            # what is no unit quaternion the reader leaves out.
+            oriented = contents[0].orientation_covariance[0] != -1.0
+            return foreign.imu(kept, frame, rows if oriented else rows[:, :6])
         if mapping.base_pose is not None and topic == mapping.base_pose.topic:
-            return self._base_poses(path, topic, frame, stamps, contents, notes)
-        samples = _Samples(frame, stamps)
-        samples.rows = [[*_xyz(one.wrench.force), *_xyz(one.wrench.torque)] for one in contents]
-        kept, rows = samples.ordered()
+            good = foreign.whole_poses(path, topic, rows, notes)
+            return foreign.base_poses(kept[good], frame, self._of_the_base(rows[good]))
         found = []
         for foot, wrench in mapping.wrenches.items():
             if wrench.topic == topic:
-                force, torque = rows[:, :3] @ wrench.rotation.T, rows[:, 3:] @ wrench.rotation.T
-                found += foreign.wrenches(foot, kept, frame, force, torque)
+                turned = [part @ wrench.rotation.T for part in (rows[:, :3], rows[:, 3:])]
+                found += foreign.wrenches(foot, kept, frame, np.hstack(turned))
         return found
 
     def _numbers(
@@ -250,28 +217,19 @@ class _Importer:
                 f"its messages have no number '{error}'; there are: {listed}; correct the mapping",
                 field=topic,
             ) from error
-        samples = _Samples("", stamps, list(values))
-        kept, rows = samples.ordered()
+        kept, rows = _ordered(stamps, values)
         if own is self._mapping.joints:
             unknown = sorted(set(names.values()) - self._urdf.joints)
             if unknown:
                 raise FieldError(
-                    self._mapping.path,
+                    self._mapping.head.path,
                     f"'{unknown[0]}' is no joint of the robot; correct it",
                     field=f"joints.{topic}",
                 )
-            return foreign.joint_states(kept, list(names.values()), rows * self._mapping.angle_unit)
-        return [
-            StampedMessage(
-                stamp,
-                schemas.VOLTAGES,
-                messages.shoe_voltages(
-                    stamp, count, list(names.values()), row,
-                    np.where(np.isfinite(row), schemas.GOOD, schemas.NO_DATA), frame_id=topic,
-                ),
+            return foreign.joint_states(
+                kept, list(names.values()), rows * self._mapping.head.angle_unit
             )
-            for count, (stamp, row) in enumerate(zip(kept.tolist(), rows, strict=True))
-        ]  # fmt: skip
+        return foreign.voltages(kept, list(names.values()), rows, topic)
 
     def _frame(self, topic: str, frame: str, notes: list[str]) -> str:
         """A frame as the URDF names it; one that it has not stays as it is."""
@@ -283,18 +241,15 @@ class _Importer:
     def _joint_states(
         self, path: Path, topic: str, stamps: list[int], contents: list[Any], notes: list[str]
     ) -> list[StampedMessage]:
-        by_names: dict[tuple[tuple[str, ...], bool], _Samples] = defaultdict(_Samples)
+        by_names: dict[tuple[tuple[str, ...], tuple[str, ...]], list[int]] = defaultdict(list)
         without = 0
-        for stamp, one in zip(stamps, contents, strict=True):
+        for place, one in enumerate(contents):
             if len(one.position) != len(one.name):
                 without += 1
                 continue
             with_effort = len(one.effort) == len(one.name)
-            samples = by_names[tuple(one.name), with_effort]
-            samples.stamps.append(stamp)
-            samples.rows.append(
-                np.concatenate([one.position, one.effort]) if with_effort else one.position
-            )
+            quantities: tuple[str, ...] = ("position", "effort")[: 1 + with_effort]
+            by_names[tuple(one.name), quantities].append(place)
         if not by_names:
             raise RecordingError(
                 path,
@@ -304,22 +259,25 @@ class _Importer:
             )
         if without:
             notes.append(f"{topic}: {without} messages without joint angles left out")
-        groups = [(names, np.array(one.stamps)) for (names, _), one in by_names.items()]
+        groups = [(names, np.array(stamps)[places]) for (names, _), places in by_names.items()]
         if (twice := two_orders(groups)) is not None:
             raise RecordingError(path, two_orders_text(*twice), field=topic)
         unknown = set[str]()
         found = []
-        for (names, with_effort), samples in by_names.items():
+        for (names, quantities), places in by_names.items():
             renamed = [self._mapping.joints.rename.get(name, name) for name in names]
             own = [place for place, name in enumerate(renamed) if name in self._urdf.joints]
             unknown |= set(renamed) - self._urdf.joints
             self._require_no_field(topic, renamed)
             if not own:
                 continue
-            kept, rows = samples.ordered()
-            effort = rows[:, len(names) :][:, own] if with_effort else None
-            position = rows[:, : len(names)][:, own] * self._mapping.angle_unit
-            found += foreign.joint_states(kept, [renamed[place] for place in own], position, effort)
+            kept, rows = _ordered(
+                [stamps[place] for place in places],
+                [[getattr(contents[place], key) for key in quantities] for place in places],
+            )
+            position, *effort = np.moveaxis(rows[..., own], 1, 0)
+            position = position * self._mapping.head.angle_unit
+            found += foreign.joint_states(kept, [renamed[at] for at in own], position, *effort)
         if not found:
             raise RecordingError(
                 path,
@@ -336,7 +294,7 @@ class _Importer:
         twice = sorted(self._joints_by_field & set(names))
         if twice:
             problem = f"'{twice[0]}' is given by a field and by {topic}; leave one of them out"
-            raise FieldError(self._mapping.path, problem, field="joints")
+            raise FieldError(self._mapping.head.path, problem, field="joints")
 
     def _voltages(self, stamps: list[int], contents: list[Any]) -> list[StampedMessage]:
         rename = self._mapping.cells.rename
@@ -357,26 +315,19 @@ class _Importer:
             for stamp, one in zip(stamps, contents, strict=True)
         ]
 
-    def _base_poses(
-        self,
-        path: Path,
-        topic: str,
-        frame: str,
-        stamps: list[int],
-        contents: list[Any],
-        notes: list[str],
-    ) -> list[StampedMessage]:
-        kind = POSE_TYPES[contents[0].__msgtype__]
-        samples = _Samples(frame, stamps)
-        samples.rows = [kind(one) for one in contents]
-        kept, rows = samples.ordered()
-        good = foreign.whole_poses(path, topic, rows[:, :3], rows[:, 3:], notes)
-        kept, rows = kept[good], rows[good]
-        rotation = Rotation.from_quat(rows[:, 3:])
+    def _of_the_base(self, poses: FloatArray) -> FloatArray:
+        """Poses (T, 7), position and quaternion, of the URDF's root by those of the mapped link."""
+        rotation = Rotation.from_quat(poses[:, 3:])
         link_R_base, link_p_base = self._base_T_link
-        position = rows[:, :3] + rotation.apply(link_p_base)
         quaternion = (rotation * Rotation.from_matrix(link_R_base)).as_quat()
-        return foreign.base_poses(kept, frame, position, quaternion)
+        return np.hstack([poses[:, :3] + rotation.apply(link_p_base), quaternion])
+
+
+def _ordered(stamps: Sequence[int], rows: ArrayLike) -> tuple[Stamps, FloatArray]:
+    """Stamps (T,) [ns] that increase, and their rows (T, ...), as they are."""
+    times = np.array(stamps, dtype=np.int64)
+    kept = in_order(times)
+    return times[kept], np.array(rows, dtype=np.float64)[kept]
 
 
 def _check_digits(
@@ -423,46 +374,17 @@ def _base_T_link(mapping: BagMapping) -> tuple[FloatArray, FloatArray]:
     link = None if mapping.base_pose is None else mapping.base_pose.link
     if link is None:
         return np.eye(3), np.zeros(3)
-    model = read_urdf(mapping.files.urdf).model
+    model = read_urdf(mapping.head.urdf).model
     fixed = [str(frame.name) for frame in model.frames if frame.parentJoint == ROOT_JOINTS - 1]
     if link not in fixed:
         raise FieldError(
-            mapping.path,
+            mapping.head.path,
             f"'{link}' is no link that is fixed to the robot's base; it must be one of: "
             f"{', '.join(fixed)}",
             field="base_pose.link",
         )
     base_in_link = model.frames[model.getFrameId(link)].placement.inverse()
     return base_in_link.rotation, base_in_link.translation
-
-
-def _imu(frame: str, stamps: list[int], contents: list[Any]) -> list[StampedMessage]:
-    # By the message's definition -1 as first element says that there is no orientation; what is
-    # no unit quaternion the reader leaves out.
-    oriented = contents[0].orientation_covariance[0] != -1.0
-    samples = _Samples(frame, stamps)
-    samples.rows = [
-        [*_xyz(one.angular_velocity), *_xyz(one.linear_acceleration), *_xyzw(one.orientation)]
-        for one in contents
-    ]
-    kept, rows = samples.ordered()
-    return foreign.imu(kept, frame, rows[:, 6:] if oriented else None, rows[:, :3], rows[:, 3:6])
-
-
-def stamp_ns(content: Any) -> int:
-    """Stamp of a message's header; 0 where its sender set none, or where it has no header."""
-    stamp = getattr(getattr(content, "header", None), "stamp", None)
-    if stamp is None or not hasattr(stamp, "sec"):
-        return 0
-    return int(stamp.sec) * messages.SECOND_NS + int(stamp.nanosec)
-
-
-def _xyz(vector: Any) -> list[float]:
-    return [vector.x, vector.y, vector.z]
-
-
-def _xyzw(quaternion: Any) -> list[float]:
-    return [quaternion.x, quaternion.y, quaternion.z, quaternion.w]
 
 
 def _few(names: Iterable[str], most: int = 10) -> str:

@@ -16,7 +16,7 @@ from shoecal_core.files import read_yaml
 from shoecal_core.recording import schemas
 from shoecal_core.recording.columns import Block, decode_columns
 from shoecal_core.recording.errors import RecordingError
-from shoecal_core.recording.foreign import ImportedRun, MappedFiles
+from shoecal_core.recording.foreign import ImportedRun
 from shoecal_core.recording.info import HANGING
 from shoecal_core.recording.joint_series import (
     JointSeries,
@@ -27,6 +27,7 @@ from shoecal_core.recording.joint_series import (
     without_zeros,
 )
 from shoecal_core.recording.limits import beyond_limits, in_degrees
+from shoecal_core.recording.mapping import MappingHead
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.joint_zeros import OpenLoop, open_loop
 from shoecal_core.robot.kinematics import Kinematics
@@ -45,40 +46,37 @@ MOVES_M = 0.01
 """Feet whose distance changes by more than this do not stand, where the trial does not say so."""
 
 
-def check_angles(
-    mapping: Path, files: MappedFiles, runs: Sequence[ImportedRun]
-) -> list[ImportedRun]:
+def check_angles(head: MappingHead, runs: Sequence[ImportedRun]) -> list[ImportedRun]:
     """The runs, with notes on what is wrong with their joint angles: no numbers, jumps to zero,
     beyond the URDF's limits, soles that are not level, other supports.
 
     Args:
-        mapping: the mapping file, whose trials the runs are, in its order.
-        files: that it names.
+        head: of the mapping file, whose trials the runs are, in its order.
         runs: as read.
 
     Raises:
         RecordingError: for joints that are missing or have no angles, and for angles in degrees.
         FieldError: for a support of the opposite sign than the joint angles give.
     """
-    limits = read_outline(files.urdf).limits
-    optional = optional_joints(files.robot)
+    limits = read_outline(head.urdf).limits
+    optional = optional_joints(head.robot)
     standing = [_stands(one) for one in runs]
-    shoe, kinematics = _shoe_and_kinematics(files) if any(standing) else (None, None)
+    shoe, kinematics = _shoe_and_kinematics(head) if any(standing) else (None, None)
     checked = []
     for place, (one, stands) in enumerate(zip(runs, standing, strict=True)):
         angles, lacking = with_numbers(_angles(one), optional)
         for joint, series in angles.items():
             if not len(series.time) and joint not in optional:
-                raise no_angles(one.source, joint, files.robot)
+                raise no_angles(one.source, joint, head.robot)
         angles, jumping = without_zeros(angles)
         notes = _beyond_limits(one.source, angles, limits)
         if shoe is not None and kinematics is not None and stands:
             feet = _Feet.of(one, kinematics, shoe, angles)
             if feet is not None and feet.loop is not None:
                 notes.append(feet.loop.text(loaded=feet.loaded))
-            elif feet is not None and one.run.support is not None and not notes:
+            elif feet is not None and one.trial.support is not None and not notes:
                 field = f"trials[{place}].support"
-                notes += _compare(mapping, field, one.source, one.run.support, feet.support)
+                notes += _compare(head.path, field, one.source, one.trial.support, feet.support)
         checked.append(replace(one, notes=(*one.notes, *lacking, *jumping, *notes)))
     return checked
 
@@ -86,7 +84,7 @@ def check_angles(
 def _stands(one: ImportedRun) -> bool:
     """Whether both feet stand, as far as the trial says: it has a support, or nothing else."""
     poses = any(message.topic == schemas.BASE_POSE for message in one.messages)
-    return one.run.support is not None or not (poses or one.run.motion == HANGING)
+    return one.trial.support is not None or not (poses or one.trial.motion == HANGING)
 
 
 def optional_joints(robot: Path) -> list[str]:
@@ -105,11 +103,11 @@ def no_angles(source: Path, joint: str, robot: Path, where: str = "") -> Recordi
     )
 
 
-def _shoe_and_kinematics(files: MappedFiles) -> tuple[Shoe | None, Kinematics | None]:
+def _shoe_and_kinematics(head: MappingHead) -> tuple[Shoe | None, Kinematics | None]:
     """Of the robot in its shoes; None where its file is not ready, which its use will report."""
     with suppress(FileError):
-        shoe = load_shoe(files.shoe)
-        return shoe, Kinematics(load_robot(files.robot, shoe, urdf=files.urdf))
+        shoe = load_shoe(head.shoe)
+        return shoe, Kinematics(load_robot(head.robot, shoe, urdf=head.urdf))
     return None, None
 
 
@@ -180,7 +178,7 @@ class _Feet:
         try:
             instants, postured = postures(angles, kinematics.robot, SAMPLES)
         except JointsMissingError as error:
-            if run.run.support is None:
+            if run.trial.support is None:
                 return None
             raise RecordingError(run.source, str(error)) from error
         both = _both_carry_load(run, shoe, instants)
@@ -191,7 +189,7 @@ class _Feet:
         if not loaded:
             states = states.part(standing_samples(states))
         moves = bool(np.ptp(states.translation[:, :2], axis=0).max() > MOVES_M)
-        if loop is not None and not loop.fits and run.run.support is None and moves:
+        if loop is not None and not loop.fits and run.trial.support is None and moves:
             loop = None
         return cls(states.support(), loop, loaded)
 
