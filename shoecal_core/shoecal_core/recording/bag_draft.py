@@ -207,9 +207,8 @@ def _series(bag: Bag, match: Match, span: tuple[float, float] | None) -> dict[st
         match: joints or cells, and their topics.
         span: part of the bag since its first message [s]; None: all of it.
     """
-    ends = () if span is None else (bag.start_ns + round(1e9 * end) for end in span)
     rows: dict[tuple[str, ...], list[tuple[float, FloatArray]]] = defaultdict(list)
-    for message in bag.messages(match.topics, *ends):
+    for message in bag.messages(match.topics, *(span or ())):
         content, fields = message.content, match.fields.get(message.topic)
         if fields is not None:
             names, values = tuple(fields.values()), table([content], list(fields))[0]
@@ -242,9 +241,8 @@ def _trials(
     """
     with Bag(path) as bag:
         count = sum(bag.topics[topic].count for topic in topics if topic in bag.topics)
-        length = 1e-9 * (bag.end_ns - bag.start_ns)
         parts = max(1, int(np.ceil(count / (FULL * MAX_RECORDS))))
-        ends = np.round(np.linspace(0.0, length, parts + 1), 3).tolist()
+        ends = np.round(np.linspace(0.0, bag.length_s, parts + 1), 3).tolist()
         spans = [None] if parts == 1 else list(pairwise(ends))
         trials = []
         for span in spans:

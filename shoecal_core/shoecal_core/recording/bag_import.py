@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
-from itertools import chain
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import chain, pairwise
 from pathlib import Path
 from typing import Any
 
@@ -38,6 +39,15 @@ from shoecal_core.recording.session import Session
 from shoecal_core.robot.urdf import ROOT_JOINTS, Outline, read_outline, read_urdf
 from shoecal_core.shoe.shoe import Shoe, load_shoe
 
+TYPES: Mapping[str, Collection[str]] = {
+    "joints": (JOINT_STATE,),
+    "cells": (SHOE_VOLTAGES_TYPE,),
+    "imu": (IMU,),
+    "base_pose": tuple(POSES),
+    "wrenches": (WRENCH,),
+}
+"""Types of the topics that a field of the mapping may name, unless it names their fields too."""
+
 
 def import_bags(mapping_path: Path, folder: Path, out: Path) -> Session:
     """Make a session of bags.
@@ -62,6 +72,46 @@ def import_bags(mapping_path: Path, folder: Path, out: Path) -> Session:
     return foreign.write_session(out, head, check_angles(head, runs))
 
 
+@dataclass(frozen=True)
+class _Received:
+    """Messages of one topic that a trial has in its bag.
+
+    Attributes:
+        path: of the bag.
+        topic: of the messages.
+        stamps: [ns].
+        contents: decoded, one for each stamp.
+        notes: of the trial, to which what is changed or left out is added.
+    """
+
+    path: Path
+    topic: str
+    stamps: list[int]
+    contents: list[Any]
+    notes: list[str]
+
+    def note(self, text: str) -> None:
+        self.notes.append(f"{self.topic}: {text}")
+
+    def error(self, problem: str) -> RecordingError:
+        """The error to raise for this topic."""
+        return RecordingError(self.path, problem, field=self.topic)
+
+    def ordered(self, rows: ArrayLike) -> tuple[Stamps, FloatArray]:
+        """Stamps (T,) [ns] that increase, and the rows (T, ...) of their messages, as they are."""
+        stamps = np.array(self.stamps, dtype=np.int64)
+        kept = in_order(stamps)
+        return stamps[kept], np.array(rows, dtype=np.float64)[kept]
+
+    def part(self, places: Sequence[int]) -> _Received:
+        """Some of its messages."""
+        return replace(
+            self,
+            stamps=[self.stamps[place] for place in places],
+            contents=[self.contents[place] for place in places],
+        )
+
+
 class _Importer:
     def __init__(self, mapping: BagMapping, urdf: Outline, shoe: Shoe) -> None:
         self._mapping = mapping
@@ -76,8 +126,6 @@ class _Importer:
                     )
         for foot in mapping.wrenches:
             foreign.check_six_axis(mapping.head.path, f"wrenches.{foot}", shoe, foot)
-        fields = mapping.joints.fields.values()
-        self._joints_by_field = {name for names in fields for name in names.values()}
         self._base_T_link = _base_T_link(mapping)
 
     def run(self, path: Path, trial: Trial) -> ImportedRun:
@@ -88,52 +136,44 @@ class _Importer:
         """
         with Bag(path) as bag:
             self._check_topics(bag)
-            span = [
-                None if at is None else bag.start_ns + round(1e9 * at)
-                for at in (trial.from_s, trial.to_s)
-            ]
-            length_s = 1e-9 * (bag.end_ns - bag.start_ns)
             by_topic: dict[str, list[BagMessage]] = defaultdict(list)
-            for count, message in enumerate(bag.messages(self._mapping.topics, *span), 1):
+            wanted = bag.messages(self._mapping.topics, trial.from_s, trial.to_s)
+            for count, message in enumerate(wanted, 1):
                 foreign.check_length(path, count)
                 by_topic[message.topic].append(message)
         notes: list[str] = []
         found: list[StampedMessage] = []
-        for topic, received in by_topic.items():
-            stamps = self._stamps(path, topic, received)
-            late = int(np.sum(~in_order(np.array(stamps))))
+        for topic, own in by_topic.items():
+            contents = [message.content for message in own]
+            by_receipt = topic in self._mapping.received
+            times = [one.received_ns if by_receipt else stamp_ns(one.content) for one in own]
+            received = _Received(path, topic, times, contents, notes)
+            if not by_receipt:
+                _check_stamps(received)
+            late = int(np.sum(~in_order(np.array(times))))
             if late:
-                _check_digits(path, topic, stamps, received)
-                notes.append(
-                    f"{topic}: {late} of {len(stamps)} messages have a stamp that repeats or goes "
-                    "back; they are left out"
+                _check_digits(received)
+                received.note(
+                    f"{late} of {len(times)} messages have a stamp that repeats or goes back; they "
+                    "are left out"
                 )
-            found += self._convert(path, topic, stamps, received, notes)
+            found += self._convert(received)
         missing = sorted(self._mapping.topics - set(by_topic))
         if missing:
             raise RecordingError(
                 path,
                 f"has no message of {', '.join(missing)} in this trial; check from_s and to_s (the "
-                f"bag is {length_s:.1f} s long)",
+                f"bag is {bag.length_s:.1f} s long)",
             )
         return ImportedRun(path, trial, found, tuple(notes))
 
     def _check_topics(self, bag: Bag) -> None:
         mapping = self._mapping
-        kinds: list[tuple[str, Iterable[str], Iterable[str]]] = [
-            ("joints.topics", mapping.joints.topics, [JOINT_STATE]),
-            ("cells.topics", mapping.cells.topics, [SHOE_VOLTAGES_TYPE]),
-            ("imu.topic", [mapping.imu] if mapping.imu else [], [IMU]),
-            ("base_pose.topic", [mapping.base_pose.topic] if mapping.base_pose else [], POSES),
-        ]
-        kinds += [
-            (f"wrenches.{foot}.topic", [wrench.topic], [WRENCH])
-            for foot, wrench in mapping.wrenches.items()
-        ]
-        by_field = {"joints.topics": mapping.joints.fields, "cells.topics": mapping.cells.fields}
-        for key, topics, types in kinds:
+        by_path = {"joints.topics": mapping.joints.fields, "cells.topics": mapping.cells.fields}
+        for key, topics in mapping.by_field.items():
+            types = TYPES[key.partition(".")[0]]
             for topic in topics:
-                if topic in bag.topics and topic in by_field.get(key, {}):
+                if topic in bag.topics and topic in by_path.get(key, {}):
                     continue
                 fitting = [name for name, one in bag.topics.items() if one.type in types]
                 if topic not in fitting:
@@ -145,105 +185,68 @@ class _Importer:
                         field=key,
                     )
 
-    def _stamps(self, path: Path, topic: str, received: Sequence[BagMessage]) -> list[int]:
-        if topic in self._mapping.received:
-            return [message.received_ns for message in received]
-        stamps = [stamp_ns(message.content) for message in received]
-        if min(stamps) < 0 or max(stamps) >= foreign.LATEST_NS:
-            raise RecordingError(
-                path,
-                "has stamps before 1970 or after 2038; correct its sender, or list it under "
-                "'received' of the mapping",
-                field=topic,
-            )
-        if not any(stamps):
-            raise RecordingError(
-                path,
-                "its messages carry no stamp; list it under 'received' of the mapping to take the "
-                "times they were received",
-                field=topic,
-            )
-        return stamps
-
-    def _convert(
-        self,
-        path: Path,
-        topic: str,
-        stamps: list[int],
-        received: list[BagMessage],
-        notes: list[str],
-    ) -> list[StampedMessage]:
+    def _convert(self, received: _Received) -> list[StampedMessage]:
         """Messages of a run made of those of one topic of the bag."""
-        mapping = self._mapping
-        contents = [message.content for message in received]
+        mapping, topic, contents = self._mapping, received.topic, received.contents
         # One message may hold both.
-        by_field = [own for own in (mapping.joints, mapping.cells) if topic in own.fields]
-        if by_field:
-            made = [self._numbers(path, topic, own, stamps, contents) for own in by_field]
-            return list(chain.from_iterable(made))
+        by_path = [own for own in (mapping.joints, mapping.cells) if topic in own.fields]
+        if by_path:
+            return list(chain.from_iterable(self._numbers(received, own) for own in by_path))
         if topic in mapping.joints.topics:
-            return self._joint_states(path, topic, stamps, contents, notes)
+            return self._joint_states(received)
         if topic in mapping.cells.topics:
-            return self._voltages(stamps, contents)
-        frame = self._frame(topic, str(contents[0].header.frame_id), notes)
+            return self._voltages(received)
+        frame = self._frame(received)
         numbers = SENSORS[contents[0].__msgtype__]
-        kept, rows = _ordered(stamps, [numbers(one) for one in contents])
+        stamps, rows = received.ordered([numbers(one) for one in contents])
         if topic == mapping.imu:
             # By the message's definition -1 as first element says that there is no orientation;
             # what is no unit quaternion the reader leaves out.
             oriented = contents[0].orientation_covariance[0] != -1.0
-            return foreign.imu(kept, frame, rows if oriented else rows[:, :6])
+            return foreign.imu(stamps, frame, rows if oriented else rows[:, :6])
         if mapping.base_pose is not None and topic == mapping.base_pose.topic:
-            good = foreign.whole_poses(path, topic, rows, notes)
-            return foreign.base_poses(kept[good], frame, self._of_the_base(rows[good]))
-        found = []
-        for foot, wrench in mapping.wrenches.items():
-            if wrench.topic == topic:
-                turned = [part @ wrench.rotation.T for part in (rows[:, :3], rows[:, 3:])]
-                found += foreign.wrenches(foot, kept, frame, np.hstack(turned))
-        return found
+            good = foreign.whole_poses(received.path, topic, rows, received.notes)
+            return foreign.base_poses(stamps[good], frame, self._of_the_base(rows[good]))
+        foot, wrench = next(
+            (foot, one) for foot, one in mapping.wrenches.items() if one.topic == topic
+        )
+        turned = [part @ wrench.rotation.T for part in (rows[:, :3], rows[:, 3:])]
+        return foreign.wrenches(foot, stamps, frame, np.hstack(turned))
 
-    def _numbers(
-        self, path: Path, topic: str, own: NamedTopics, stamps: list[int], contents: list[Any]
-    ) -> list[StampedMessage]:
+    def _numbers(self, received: _Received, own: NamedTopics) -> list[StampedMessage]:
         """Joint angles or readings in messages of any type, by the paths of their fields."""
-        names = own.fields[topic]
+        topic, paths = received.topic, list(own.fields[received.topic])
+        names = list(own.fields[topic].values())
         try:
-            values = table(contents, list(names))
+            stamps, rows = received.ordered(table(received.contents, paths))
         except LookupError as error:
-            listed = ", ".join(numbers_in(contents[0])) or "none"
-            raise RecordingError(
-                path,
-                f"its messages have no number '{error}'; there are: {listed}; correct the mapping",
-                field=topic,
+            listed = ", ".join(numbers_in(received.contents[0])) or "none"
+            raise received.error(
+                f"its messages have no number '{error}'; there are: {listed}; correct the mapping"
             ) from error
-        kept, rows = _ordered(stamps, values)
-        if own is self._mapping.joints:
-            unknown = sorted(set(names.values()) - self._urdf.joints)
-            if unknown:
-                raise FieldError(
-                    self._mapping.head.path,
-                    f"'{unknown[0]}' is no joint of the robot; correct it",
-                    field=f"joints.{topic}",
-                )
-            return foreign.joint_states(
-                kept, list(names.values()), rows * self._mapping.head.angle_unit
+        if own is not self._mapping.joints:
+            return foreign.voltages(stamps, names, rows, topic)
+        unknown = sorted(set(names) - self._urdf.joints)
+        if unknown:
+            raise FieldError(
+                self._mapping.head.path,
+                f"'{unknown[0]}' is no joint of the robot; correct it",
+                field=f"joints.{topic}",
             )
-        return foreign.voltages(kept, list(names.values()), rows, topic)
+        return foreign.joint_states(stamps, names, rows * self._mapping.head.angle_unit)
 
-    def _frame(self, topic: str, frame: str, notes: list[str]) -> str:
+    def _frame(self, received: _Received) -> str:
         """A frame as the URDF names it; one that it has not stays as it is."""
+        frame = str(received.contents[0].header.frame_id)
         known = without_prefix(frame, self._urdf.frames)
         if known is not None and known != frame.lstrip("/"):
-            notes.append(f"{topic}: frame '{frame}' is taken as the URDF's '{known}'")
+            received.note(f"frame '{frame}' is taken as the URDF's '{known}'")
         return known or frame
 
-    def _joint_states(
-        self, path: Path, topic: str, stamps: list[int], contents: list[Any], notes: list[str]
-    ) -> list[StampedMessage]:
+    def _joint_states(self, received: _Received) -> list[StampedMessage]:
         by_names: dict[tuple[tuple[str, ...], tuple[str, ...]], list[int]] = defaultdict(list)
         without = 0
-        for place, one in enumerate(contents):
+        for place, one in enumerate(received.contents):
             if len(one.position) != len(one.name):
                 without += 1
                 continue
@@ -251,52 +254,48 @@ class _Importer:
             quantities: tuple[str, ...] = ("position", "effort")[: 1 + with_effort]
             by_names[tuple(one.name), quantities].append(place)
         if not by_names:
-            raise RecordingError(
-                path,
+            raise received.error(
                 "none of its messages has a position for each of its names; name the topic of the "
-                "measured joint angles in the mapping",
-                field=topic,
+                "measured joint angles in the mapping"
             )
         if without:
-            notes.append(f"{topic}: {without} messages without joint angles left out")
-        groups = [(names, np.array(stamps)[places]) for (names, _), places in by_names.items()]
+            received.note(f"{without} messages without joint angles left out")
+        senders = {key: received.part(places) for key, places in by_names.items()}
+        groups = [(names, np.array(one.stamps)) for (names, _), one in senders.items()]
         if (twice := two_orders(groups)) is not None:
-            raise RecordingError(path, two_orders_text(*twice), field=topic)
+            raise received.error(two_orders_text(*twice))
         unknown = set[str]()
         found = []
-        for (names, quantities), places in by_names.items():
+        for (names, quantities), sent in senders.items():
             renamed = [self._mapping.joints.rename.get(name, name) for name in names]
             own = [place for place, name in enumerate(renamed) if name in self._urdf.joints]
             unknown |= set(renamed) - self._urdf.joints
-            self._require_no_field(topic, renamed)
+            self._require_once(received.topic, renamed)
             if not own:
                 continue
-            kept, rows = _ordered(
-                [stamps[place] for place in places],
-                [[getattr(contents[place], key) for key in quantities] for place in places],
+            stamps, rows = sent.ordered(
+                [[getattr(one, key) for key in quantities] for one in sent.contents]
             )
             position, *effort = np.moveaxis(rows[..., own], 1, 0)
             position = position * self._mapping.head.angle_unit
-            found += foreign.joint_states(kept, [renamed[at] for at in own], position, *effort)
+            found += foreign.joint_states(stamps, [renamed[at] for at in own], position, *effort)
         if not found:
-            raise RecordingError(
-                path,
+            raise received.error(
                 f"names no joint of the robot (there are: {_few(unknown) or 'none'}); correct "
-                "'joints' of the mapping",
-                field=topic,
+                "'joints' of the mapping"
             )
         if unknown:
-            notes.append(f"{topic}: joints that the robot lacks left out: {_few(unknown)}")
+            received.note(f"joints that the robot lacks left out: {_few(unknown)}")
         return found
 
-    def _require_no_field(self, topic: str, names: Sequence[str]) -> None:
+    def _require_once(self, topic: str, names: Sequence[str]) -> None:
         """Refuse joints that a field of another topic gives, too."""
-        twice = sorted(self._joints_by_field & set(names))
-        if twice:
+        by_path = chain.from_iterable(one.values() for one in self._mapping.joints.fields.values())
+        if twice := sorted(set(by_path) & set(names)):
             problem = f"'{twice[0]}' is given by a field and by {topic}; leave one of them out"
             raise FieldError(self._mapping.head.path, problem, field="joints")
 
-    def _voltages(self, stamps: list[int], contents: list[Any]) -> list[StampedMessage]:
+    def _voltages(self, received: _Received) -> list[StampedMessage]:
         rename = self._mapping.cells.rename
         return [
             StampedMessage(
@@ -312,7 +311,7 @@ class _Importer:
                     frame_id=str(one.header.frame_id),
                 ),
             )
-            for stamp, one in zip(stamps, contents, strict=True)
+            for stamp, one in zip(received.stamps, received.contents, strict=True)
         ]
 
     def _of_the_base(self, poses: FloatArray) -> FloatArray:
@@ -323,41 +322,42 @@ class _Importer:
         return np.hstack([poses[:, :3] + rotation.apply(link_p_base), quaternion])
 
 
-def _ordered(stamps: Sequence[int], rows: ArrayLike) -> tuple[Stamps, FloatArray]:
-    """Stamps (T,) [ns] that increase, and their rows (T, ...), as they are."""
-    times = np.array(stamps, dtype=np.int64)
-    kept = in_order(times)
-    return times[kept], np.array(rows, dtype=np.float64)[kept]
+def _check_stamps(received: _Received) -> None:
+    """Refuse stamps that cannot be, and messages without any."""
+    stamps = received.stamps
+    if min(stamps) < 0 or max(stamps) >= foreign.LATEST_NS:
+        raise received.error(
+            "has stamps before 1970 or after 2038; correct its sender, or list it under "
+            "'received' of the mapping"
+        )
+    if not any(stamps):
+        raise received.error(
+            "its messages carry no stamp; list it under 'received' of the mapping to take the "
+            "times they were received"
+        )
 
 
-def _check_digits(
-    path: Path, topic: str, stamps: Sequence[int], received: Sequence[BagMessage]
-) -> None:
+def _check_digits(received: _Received) -> None:
     """Refuse stamps that many messages of one sender share, unless a message is only sent again.
 
     Senders that share a topic differ in the names that they give.
     """
     senders: dict[tuple[str, ...], list[int]] = defaultdict(list)
-    for at, message in enumerate(received):
-        lists = (getattr(message.content, key, None) for key in ("name", "cell"))
+    for at, content in enumerate(received.contents):
+        lists = (getattr(content, key, None) for key in ("name", "cell"))
         names = tuple(chain.from_iterable(one for one in lists if isinstance(one, list)))
         senders[names].append(at)
-    for own in senders.values():
+    for places in senders.values():
+        own = received.part(places)
         # With another content under the same stamp, it is another sample.
-        fresh = [
-            at
-            for at, before in zip(own, [None, *own], strict=False)
-            if before is None or not _equal(received[at].content, received[before].content)
-        ]
-        times = np.array([stamps[at] for at in fresh])
+        fresh = [True, *(not _equal(*pair) for pair in pairwise(own.contents))]
+        times = np.array(own.stamps)[fresh]
         if few_digits(times):
-            raise RecordingError(
-                path,
+            raise received.error(
                 f"{int((np.diff(times) == 0).sum())} of {len(times)} messages have the stamp of "
                 "the one before: their sender rounds its stamps; let it stamp to a millisecond or "
                 "better, or list the topic under 'received' of the mapping to take the times that "
-                "the messages were received",
-                field=topic,
+                "the messages were received"
             )
 
 

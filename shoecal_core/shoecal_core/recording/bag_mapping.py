@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -76,17 +77,21 @@ class BagMapping:
     received: frozenset[str]
 
     @property
+    def by_field(self) -> dict[str, tuple[str, ...]]:
+        """Topics that are imported, by the field that names them."""
+        base = self.base_pose
+        return {
+            "joints.topics": self.joints.topics,
+            "cells.topics": self.cells.topics,
+            "imu.topic": () if self.imu is None else (self.imu,),
+            "base_pose.topic": () if base is None else (base.topic,),
+            **{f"wrenches.{foot}.topic": (one.topic,) for foot, one in self.wrenches.items()},
+        }
+
+    @property
     def topics(self) -> frozenset[str]:
         """All that are imported."""
-        single = (self.imu, self.base_pose.topic if self.base_pose is not None else None)
-        return frozenset(
-            [
-                *self.joints.topics,
-                *self.cells.topics,
-                *(wrench.topic for wrench in self.wrenches.values()),
-                *(topic for topic in single if topic is not None),
-            ]
-        )
+        return frozenset(chain.from_iterable(self.by_field.values()))
 
 
 def load_bag_mapping(path: Path, folder: Path) -> BagMapping:
