@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
 
@@ -70,33 +70,33 @@ class _Rows:
     Attributes:
         stamps: (T,) [ns].
         kept: (T,) their places in the file.
+        notes: of the trial, to which what is changed or left out is added.
     """
 
     table: CsvTable
     stamps: Stamps
     kept: IntArray
+    notes: list[str]
 
-    def read(self, columns: tuple[CsvColumn, ...], notes: list[str]) -> FloatArray:
+    def read(self, columns: tuple[CsvColumn, ...]) -> FloatArray:
         """(T, c) numbers, NaN for those that are not there; how many these are is noted."""
         found = self.table.read_all(columns, gaps=True)[self.kept]
         missing = np.isnan(found).sum(axis=0)
         if missing.any():
             worst = columns[int(np.argmax(missing))].name
-            notes.append(
+            self.notes.append(
                 f"{self.table.path.name}: {int(missing.sum())} values are not there, "
                 f"{int(missing.max())} of {len(found)} of '{worst}'"
             )
         return found
 
-    def read_whole(
-        self, columns: tuple[CsvColumn, ...], notes: list[str]
-    ) -> tuple[Stamps, FloatArray]:
+    def read_whole(self, columns: tuple[CsvColumn, ...]) -> tuple[Stamps, FloatArray]:
         """Stamps (k,) of the rows that have all values, and their (k, c) numbers.
 
         Raises:
             FieldError: where no row has all.
         """
-        found = self.read(columns, notes)
+        found = self.read(columns)
         whole = np.isfinite(found).all(axis=1)
         if not whole.any():
             names = ", ".join(column.name for column in columns)
@@ -125,13 +125,13 @@ class _Importer:
             for name, file in trial.files.items()
         }
         rows = _cut(self._rows(tables, trial.start_ns, notes), trial)
-        found = self._joint_states(rows, notes)
+        found = self._joint_states(rows)
         for name, meaning in mapping.tables.items():
             here = rows[name]
             for sensor, columns in meaning.sensors.items():
-                found += self._sensor(sensor, here, columns, notes)
+                found += self._sensor(sensor, here, columns)
             if meaning.cells:
-                values = here.read(tuple(meaning.cells.values()), notes)
+                values = here.read(tuple(meaning.cells.values()))
                 found += foreign.voltages(here.stamps, tuple(meaning.cells), values)
         source = next(tables[name].path for name, one in mapping.tables.items() if one.joints)
         return ImportedRun(source, trial, found, tuple(notes))
@@ -151,7 +151,7 @@ class _Importer:
         time = self._mapping.tables[clock].time
         assert time is not None
         rows = _timed(tables[clock], time, start_ns, notes, count)
-        return {name: _Rows(table, rows.stamps, rows.kept) for name, table in tables.items()}
+        return {name: replace(rows, table=table) for name, table in tables.items()}
 
     def _common_rows(self, tables: Mapping[str, CsvTable], clock: str, notes: list[str]) -> int:
         """Number of rows that all tables of one clock have."""
@@ -171,39 +171,38 @@ class _Importer:
                 )
         return count
 
-    def _joint_states(self, rows: Mapping[str, _Rows], notes: list[str]) -> list[StampedMessage]:
+    def _joint_states(self, rows: Mapping[str, _Rows]) -> list[StampedMessage]:
         """Angles, with the efforts at the same instants."""
-        effort_names: tuple[str, ...] = ()
+        efforts: dict[str, FloatArray] = {}
         for name, meaning in self._mapping.tables.items():
             if meaning.efforts:
-                effort_names, columns = self._columns(rows[name].table, meaning.efforts)
-                effort_rows, efforts = rows[name], rows[name].read(columns, notes)
+                measured = rows[name]
+                columns = self._columns(measured.table, meaning.efforts)
+                read = measured.read(tuple(columns.values()))
+                efforts = dict(zip(columns, read.T, strict=True))
         found: list[StampedMessage] = []
         for name, meaning in self._mapping.tables.items():
             if not meaning.joints:
                 continue
             here = rows[name]
-            names, columns = self._columns(here.table, meaning.joints)
+            columns = self._columns(here.table, meaning.joints)
             effort = None
-            if effort_names:
-                effort = np.full((len(here.stamps), len(names)), np.nan)
-                for place, joint in enumerate(names):
-                    if joint in effort_names:
-                        own = efforts[:, effort_names.index(joint)]
-                        effort[:, place] = np.interp(here.stamps, effort_rows.stamps, own)
-            position = here.read(columns, notes) * self._mapping.head.angle_unit
-            for joint, column, angles in zip(names, columns, position.T, strict=True):
+            if efforts:
+                effort = np.full((len(here.stamps), len(columns)), np.nan)
+                for place, joint in enumerate(columns):
+                    if joint in efforts:
+                        effort[:, place] = np.interp(here.stamps, measured.stamps, efforts[joint])
+            position = here.read(tuple(columns.values())) * self._mapping.head.angle_unit
+            for (joint, column), angles in zip(columns.items(), position.T, strict=True):
                 if joint not in self._optional and np.isnan(angles).all():
                     where = f"column '{column.name}'"
                     raise no_angles(here.table.path, joint, self._mapping.head.robot, where)
-            found += foreign.joint_states(here.stamps, names, position, effort)
+            found += foreign.joint_states(here.stamps, tuple(columns), position, effort)
         return found
 
-    def _sensor(
-        self, sensor: str, rows: _Rows, columns: SensorColumns, notes: list[str]
-    ) -> list[StampedMessage]:
+    def _sensor(self, sensor: str, rows: _Rows, columns: SensorColumns) -> list[StampedMessage]:
         """One of SENSORS."""
-        stamps, values = rows.read_whole(tuple(chain.from_iterable(columns.groups.values())), notes)
+        stamps, values = rows.read_whole(tuple(chain.from_iterable(columns.groups.values())))
         if sensor == "wrench":
             return foreign.wrenches(columns.foot, stamps, columns.frame, values)
         if sensor == "imu":
@@ -211,20 +210,18 @@ class _Importer:
         if "zyx" in columns.groups:
             turns = Rotation.from_euler("ZYX", self._mapping.head.angle_unit * values[:, 3:])
             values = np.hstack([values[:, :3], turns.as_quat()])
-        good = foreign.whole_poses(rows.table.path, sensor, values, notes)
+        good = foreign.whole_poses(rows.table.path, sensor, values, rows.notes)
         return foreign.base_poses(stamps[good], columns.frame, values[good])
 
-    def _columns(
-        self, table: CsvTable, wanted: JointColumns
-    ) -> tuple[tuple[str, ...], tuple[CsvColumn, ...]]:
-        """Names of joints, and their columns."""
+    def _columns(self, table: CsvTable, wanted: JointColumns) -> Mapping[str, CsvColumn]:
+        """Columns by joint."""
         if not wanted.every:
-            return tuple(wanted.named), tuple(wanted.named.values())
-        names = tuple(name for name in table.names if name in self._joints)
-        if not names:
+            return wanted.named
+        found = {name: CsvColumn(name) for name in table.names if name in self._joints}
+        if not found:
             problem = "no column has the name of one of the robot's joints; name them in 'joints'"
             raise FieldError(table.path, problem)
-        return names, tuple(CsvColumn(name) for name in names)
+        return found
 
     def _check_channels(self) -> None:
         """Refuse joints and channels that robot and shoe do not have."""
@@ -275,7 +272,7 @@ def _timed(
             f"{table.path.name}: {len(back)} of {len(stamps)} rows left out, "
             f"their time repeats or goes back (first in line {table.line(int(back[0]))})"
         )
-    return _Rows(table, stamps[forward], np.flatnonzero(forward))
+    return _Rows(table, stamps[forward], np.flatnonzero(forward), notes)
 
 
 def _cut(rows: dict[str, _Rows], trial: Trial) -> dict[str, _Rows]:
@@ -300,5 +297,5 @@ def _cut(rows: dict[str, _Rows], trial: Trial) -> dict[str, _Rows]:
                 f"{since[-1]:.3f} s, counted from the first row of the trial's files; correct "
                 "'from_s' and 'to_s' of the mapping",
             )
-        cut[name] = _Rows(one.table, one.stamps[inside], one.kept[inside])
+        cut[name] = replace(one, stamps=one.stamps[inside], kept=one.kept[inside])
     return cut
