@@ -15,7 +15,7 @@ from shoecal_core.parameter_file import load_settings
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.recording.bag_mapping import load_bag_mapping
 from shoecal_core.recording.container import read_container
-from shoecal_core.recording.csv_mapping import load_mapping
+from shoecal_core.recording.csv_mapping import load_csv_mapping
 from shoecal_core.recording.recover import recover
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.robot_file import load_robot, shoe_file_of
@@ -45,7 +45,7 @@ def planning(path: Path) -> PlannerSettings:
         (read_urdf, ROBOT, "is a robot file, by its keys; name a URDF here"),
         (load_calibration, SHOE, "is a shoe file"),
         (lambda path: load_bag_mapping(path, ROOT), TABLES, "is a mapping of tables"),
-        (lambda path: load_mapping(path, ROOT), ROBOT, "is a robot file"),
+        (lambda path: load_csv_mapping(path, ROOT), ROBOT, "is a robot file"),
     ],
 )  # fmt: skip
 def test_a_file_of_another_kind_is_named(read, file: Path, kind: str) -> None:  # type: ignore[no-untyped-def]

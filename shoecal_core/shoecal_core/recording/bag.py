@@ -69,13 +69,14 @@ class Bag:
     Attributes:
         path: a `.bag`, `.mcap` or `.db3` file, or a folder of rosbag2.
         topics: by name.
-        start_ns, end_ns: when the first and the last message were received.
+        start_ns: when its first message was received.
+        length_s: from then to the last message.
     """
 
     def __init__(self, path: Path) -> None:
         self.path = Path(path)
         self.topics: Mapping[str, Topic] = {}
-        self.start_ns = self.end_ns = 0
+        self.start_ns, self.length_s = 0, 0.0
         self._connections: list[Connection] = []
         self._stack = ExitStack()
 
@@ -117,7 +118,8 @@ class Bag:
                 name: Topic(info.msgtype or "several types", info.msgcount, info.msgtype in defined)
                 for name, info in reader.topics.items()
             }
-            self.start_ns, self.end_ns = reader.start_time, reader.end_time
+            self.start_ns = reader.start_time
+            self.length_s = 1e-9 * (reader.end_time - reader.start_time)
             self._stack = stack.pop_all()
         return self
 
@@ -130,9 +132,9 @@ class Bag:
         self._stack.close()
 
     def messages(
-        self, topics: Collection[str], from_ns: int | None = None, to_ns: int | None = None
+        self, topics: Collection[str], from_s: float | None = None, to_s: float | None = None
     ) -> Iterator[BagMessage]:
-        """Messages of some topics in the order received, of a span of that time [ns].
+        """Messages of some topics in the order received, of a span since the bag's start [s].
 
         Raises:
             RecordingError: where a message cannot be decoded.
@@ -147,8 +149,9 @@ class Bag:
                     f"{one.topic} is of {one.msgtype}, which the bag does not define; convert it "
                     "where that type is installed: `ros2 bag convert` to mcap",
                 )
+        ends = (None if at is None else self.start_ns + round(1e9 * at) for at in (from_s, to_s))
         with self._damage():
-            for one, received, data in self._reader.messages(wanted, from_ns, to_ns):
+            for one, received, data in self._reader.messages(wanted, *ends):
                 if data.startswith(ZSTD):  # of a bag that compresses message by message
                     _require_small(self.path, zstandard.frame_content_size(data), "message")
                     # The bound holds where the frame does not say its size.

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
+from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
@@ -12,8 +13,10 @@ from pathlib import Path
 import numpy as np
 import yaml
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.recording.bag import Bag
-from shoecal_core.recording.bag_mapping import CHOOSE, FORMAT
+from shoecal_core.recording.bag_fields import table
+from shoecal_core.recording.bag_mapping import CHOOSE
 from shoecal_core.recording.bag_match import (
     Match,
     TopicContent,
@@ -26,17 +29,30 @@ from shoecal_core.recording.bag_match import (
     other_types,
     what_is_there,
 )
-from shoecal_core.recording.bag_support import Standing, angles_in_degrees, standing
 from shoecal_core.recording.container import MAX_RECORDS
 from shoecal_core.recording.errors import RecordingError
-from shoecal_core.recording.foreign import ANGLE_UNIT
+from shoecal_core.recording.joint_series import (
+    JointSeries,
+    Series,
+    from_pieces,
+    in_degrees,
+    with_numbers,
+    without_zeros,
+)
+from shoecal_core.recording.mapping import ANGLE_UNIT, FORMAT
+from shoecal_core.recording.standing import find_feet
 from shoecal_core.robot.double_support import DoubleSupport
-from shoecal_core.robot.robot import Robot
+from shoecal_core.robot.kinematics import Kinematics
+from shoecal_core.robot.robot import JointsMissingError, Robot
 from shoecal_core.shoe.shoe import AXES, FEET, Shoe
 
 MAX_CLOCK_OFFSET_S = 0.25
 """Between the stamps of two topics of one clock, by when their messages were received."""
 DEGREES = "joint angles are beyond the URDF's limits, but within them as degrees: angle_unit"
+FEET_MOVE = (
+    "has no base pose, and its feet move: record one, or give 'from_s' and 'to_s' of a part in "
+    "which they stand still, and its 'support'"
+)
 FEET_UNKNOWN = (
     "has no base pose, and its joint angles are not chosen yet: choose their topic, then give "
     "'support', or draft again"
@@ -94,7 +110,7 @@ def draft_mapping(bags: Sequence[Path], robot: Robot, shoe: Shoe) -> BagDraft:
     with Bag(bags[0]) as bag:
         seen, others = look_into(bag), other_types(bag)
         joints = match_joints(bag, seen, others, robot)
-        degrees = joints.chosen and angles_in_degrees(bag, joints, robot)
+        degrees = joints.chosen and _degrees(_angles(bag, joints, robot), robot)
         there = what_is_there(bag)
     fields = {
         "joints": joints,
@@ -120,7 +136,9 @@ def draft_mapping(bags: Sequence[Path], robot: Robot, shoe: Shoe) -> BagDraft:
         if f"wrenches.{foot}" not in found and any(f"{foot}/{axis}" in shoe.names for axis in AXES)
     ]
     stands = None if "base_pose" in found else found["joints"]
-    stand = None if stands is None else partial(_stand, stands, found.get("cells"), robot, shoe)
+    stand = None
+    if stands is not None:
+        stand = partial(_stand, stands, found.get("cells"), Kinematics(robot), shoe)
     trials = [trial for bag in bags for trial in _trials(bag, used, stand)]
     notes += [f"{trial.bag.name}: {note}" for trial in trials for note in trial.notes]
     return BagDraft(tuple(trials), found, degrees, received, tuple(notes))
@@ -140,22 +158,79 @@ def _other_clocks(seen: Mapping[str, TopicContent]) -> tuple[str, ...]:
 def _stand(
     joints: Match,
     cells: Match | None,
-    robot: Robot,
+    kinematics: Kinematics,
     shoe: Shoe,
     bag: Bag,
     span: tuple[float, float] | None,
-) -> Standing:
-    """How the feet stand in a part of a bag, where its topics are known."""
+) -> tuple[DoubleSupport | None, list[str]]:
+    """Where the feet stand in a part of a bag, if they do, and what is wrong, a line each."""
     if not joints.chosen:
-        return Standing(None, (FEET_UNKNOWN,))
-    known = cells if cells is not None and cells.chosen else None
-    return standing(bag, joints, known, robot, shoe, span)
+        return None, [FEET_UNKNOWN]
+    robot = kinematics.robot
+    angles = _angles(bag, joints, robot, span)
+    if _degrees(angles, robot):
+        angles = {name: replace(one, angle=np.radians(one.angle)) for name, one in angles.items()}
+    angles, lacking = with_numbers(angles, robot.optional)
+    angles, jumping = without_zeros(angles)
+    notes = [*lacking, *jumping]
+    readings = {} if cells is None or not cells.chosen else _series(bag, cells, span)
+    try:
+        feet = find_feet(kinematics, shoe, angles, readings)
+    except JointsMissingError as error:
+        return None, [*notes, str(error)]
+    if wrong := feet.wrong(stand=feet.loaded):
+        return None, [*notes, wrong]
+    return (None, [*notes, FEET_MOVE]) if feet.moves else (feet.support, notes)
+
+
+def _angles(
+    bag: Bag, joints: Match, robot: Robot, span: tuple[float, float] | None = None
+) -> dict[str, JointSeries]:
+    """Of the robot's joints, as `_series`."""
+    series = _series(bag, joints, span)
+    return {name: one for name, one in series.items() if name in robot.joint_names}
+
+
+def _degrees(angles: Series, robot: Robot) -> bool:
+    """Whether joint angles are beyond the robot's limits, but within them as degrees."""
+    for name, one in angles.items():
+        joint, there = robot.joint(name), one.angle[np.isfinite(one.angle)]
+        if len(there) and in_degrees(there, robot.lower[joint], robot.upper[joint]):
+            return True
+    return False
+
+
+def _series(bag: Bag, match: Match, span: tuple[float, float] | None) -> dict[str, JointSeries]:
+    """What the messages of some topics name, by when they were received since the bag's start [s].
+
+    Args:
+        match: joints or cells, and their topics.
+        span: part of the bag since its first message [s]; None: all of it.
+    """
+    rows: dict[tuple[str, ...], list[tuple[float, FloatArray]]] = defaultdict(list)
+    for message in bag.messages(match.topics, *(span or ())):
+        content, fields = message.content, match.fields.get(message.topic)
+        if fields is not None:
+            names, values = tuple(fields.values()), table([content], list(fields))[0]
+        else:
+            kind = ("cell", "voltage") if hasattr(content, "cell") else ("name", "position")
+            named, values = (getattr(content, key) for key in kind)
+            names = tuple(match.rename.get(name, name) for name in named)
+        if len(values) == len(names):
+            rows[names].append((1e-9 * (message.received_ns - bag.start_ns), values))
+    pieces: dict[str, list[tuple[FloatArray, FloatArray]]] = defaultdict(list)
+    for names, own in rows.items():
+        times, values = (np.array(part, dtype=np.float64) for part in zip(*own, strict=True))
+        for name, column in zip(names, values.T, strict=True):
+            pieces[name].append((times, column))
+    return from_pieces(pieces)
 
 
 def _trials(
     path: Path,
     topics: Sequence[str],
-    stand: Callable[[Bag, tuple[float, float] | None], Standing] | None,
+    stand: Callable[[Bag, tuple[float, float] | None], tuple[DoubleSupport | None, list[str]]]
+    | None,
 ) -> list[DraftTrial]:
     """A bag, in parts that a run can hold.
 
@@ -166,14 +241,13 @@ def _trials(
     """
     with Bag(path) as bag:
         count = sum(bag.topics[topic].count for topic in topics if topic in bag.topics)
-        length = 1e-9 * (bag.end_ns - bag.start_ns)
         parts = max(1, int(np.ceil(count / (FULL * MAX_RECORDS))))
-        ends = np.round(np.linspace(0.0, length, parts + 1), 3).tolist()
+        ends = np.round(np.linspace(0.0, bag.length_s, parts + 1), 3).tolist()
         spans = [None] if parts == 1 else list(pairwise(ends))
         trials = []
         for span in spans:
-            found = Standing(None, ()) if stand is None else stand(bag, span)
-            trials.append(DraftTrial(path, span, found.support, found.notes))
+            support, notes = (None, []) if stand is None else stand(bag, span)
+            trials.append(DraftTrial(path, span, support, tuple(notes)))
         return trials
 
 

@@ -1,16 +1,50 @@
-"""Numbers in messages of any type, by the path of their field: `left_front`, `data[3]`."""
+"""Numbers in messages: of known types, or of any by the path of a field such as `data[3]`."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
 
 from shoecal_core.arrays import FloatArray
+from shoecal_core.recording.messages import SECOND_NS
+from shoecal_core.recording.schemas import SHOE_VOLTAGES_TYPE
 
+JOINT_STATE = "sensor_msgs/msg/JointState"
+WRENCH = "geometry_msgs/msg/WrenchStamped"
+IMU = "sensor_msgs/msg/Imu"
+
+
+def _vectors(*paths: str, quaternion: str = "") -> attrgetter[tuple[float, ...]]:
+    """Elements of the vectors at some paths of a message, then those of a quaternion if any."""
+    elements = [f"{path}.{axis}" for path in paths for axis in "xyz"]
+    turn = [f"{quaternion}.{axis}" for axis in "xyzw"] if quaternion else []
+    return attrgetter(*elements, *turn)
+
+
+POSES = {
+    "nav_msgs/msg/Odometry": _vectors("pose.pose.position", quaternion="pose.pose.orientation"),
+    "geometry_msgs/msg/PoseStamped": _vectors("pose.position", quaternion="pose.orientation"),
+    "geometry_msgs/msg/PoseWithCovarianceStamped": _vectors(
+        "pose.pose.position", quaternion="pose.pose.orientation"
+    ),
+    "geometry_msgs/msg/TransformStamped": _vectors(
+        "transform.translation", quaternion="transform.rotation"
+    ),
+}
+"""Position (3,) and quaternion x y z w (4,) of a message, by its type."""
+SENSORS = {
+    **POSES,
+    WRENCH: _vectors("wrench.force", "wrench.torque"),
+    IMU: _vectors("angular_velocity", "linear_acceleration", quaternion="orientation"),
+}
+"""The numbers of a message in the order in which `foreign` takes them, by its type."""
+KNOWN = frozenset({JOINT_STATE, SHOE_VOLTAGES_TYPE, *SENSORS})
+"""Types that are read for what they mean; of all others the numbers are."""
 MOST_ELEMENTS = 64
 """Of an array, that are taken for readings or joint angles; images have more."""
 _STEP = re.compile(r"(\w+)((?:\[\d+\])*)\Z")
@@ -25,6 +59,14 @@ LOLA_JOINTS = (
     "RShoulderPitch", "RShoulderRoll", "RElbowYaw", "RElbowRoll", "RWristYaw", "LHand", "RHand",
 )  # fmt: skip
 """Order of a NAO's joints in its interface to the robot's own computer, LoLA (JointIndexes.msg)."""
+
+
+def stamp_ns(content: Any) -> int:
+    """Stamp of a message's header; 0 where its sender set none, or where it has no header."""
+    stamp = getattr(getattr(content, "header", None), "stamp", None)
+    if stamp is None or not hasattr(stamp, "sec"):
+        return 0
+    return int(stamp.sec) * SECOND_NS + int(stamp.nanosec)
 
 
 def number_at(content: Any, path: str) -> float:

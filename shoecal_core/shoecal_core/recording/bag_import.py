@@ -3,54 +3,50 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
-from itertools import chain
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import chain, pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import FieldError
 from shoecal_core.recording import foreign, messages, schemas
 from shoecal_core.recording.bag import Bag, BagMessage
-from shoecal_core.recording.bag_fields import numbers_in, table
-from shoecal_core.recording.bag_mapping import (
-    BagMapping,
-    BagTrial,
-    NamedTopics,
-    load_bag_mapping,
+from shoecal_core.recording.bag_fields import (
+    IMU,
+    JOINT_STATE,
+    POSES,
+    SENSORS,
+    WRENCH,
+    numbers_in,
+    stamp_ns,
+    table,
 )
+from shoecal_core.recording.bag_mapping import BagMapping, NamedTopics, load_bag_mapping
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.foreign import ImportedRun, StampedMessage, Stamps
 from shoecal_core.recording.imported_angles import check_angles
 from shoecal_core.recording.join import few_digits, in_order, two_orders, two_orders_text
+from shoecal_core.recording.mapping import BAG, Trial
 from shoecal_core.recording.names import without_prefix
 from shoecal_core.recording.schemas import SHOE_VOLTAGES_TYPE
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.urdf import ROOT_JOINTS, Outline, read_outline, read_urdf
 from shoecal_core.shoe.shoe import Shoe, load_shoe
 
-JOINT_STATE = "sensor_msgs/msg/JointState"
-WRENCH = "geometry_msgs/msg/WrenchStamped"
-IMU = "sensor_msgs/msg/Imu"
-
-
-def _pose(content: Any) -> list[float]:
-    return [*_xyz(content.position), *_xyzw(content.orientation)]
-
-
-POSE_TYPES: dict[str, Callable[[Any], list[float]]] = {
-    "nav_msgs/msg/Odometry": lambda content: _pose(content.pose.pose),
-    "geometry_msgs/msg/PoseStamped": lambda content: _pose(content.pose),
-    "geometry_msgs/msg/PoseWithCovarianceStamped": lambda content: _pose(content.pose.pose),
-    "geometry_msgs/msg/TransformStamped": lambda content: [
-        *_xyz(content.transform.translation), *_xyzw(content.transform.rotation)
-    ],
-}  # fmt: skip
-"""Types that a base pose is read from: position and quaternion x y z w of a message."""
+TYPES: Mapping[str, Collection[str]] = {
+    "joints": (JOINT_STATE,),
+    "cells": (SHOE_VOLTAGES_TYPE,),
+    "imu": (IMU,),
+    "base_pose": tuple(POSES),
+    "wrenches": (WRENCH,),
+}
+"""Types of the topics that a field of the mapping may name, unless it names their fields too."""
 
 
 def import_bags(mapping_path: Path, folder: Path, out: Path) -> Session:
@@ -70,32 +66,50 @@ def import_bags(mapping_path: Path, folder: Path, out: Path) -> Session:
     """
     folder = Path(folder)
     mapping = load_bag_mapping(Path(mapping_path), folder)
-    shoe = load_shoe(mapping.files.shoe)
-    importer = _Importer(mapping, read_outline(mapping.files.urdf), shoe)
-    runs = [importer.run(folder / trial.bag, trial) for trial in mapping.trials]
-    runs = check_angles(mapping.path, mapping.files, runs)
-    return foreign.write_session(out, mapping.files, runs)
+    head = mapping.head
+    importer = _Importer(mapping, read_outline(head.urdf), load_shoe(head.shoe))
+    runs = [importer.run(folder / trial.files[BAG], trial) for trial in head.trials]
+    return foreign.write_session(out, head, check_angles(head, runs))
 
 
-@dataclass
-class _Samples:
-    """Messages of one topic and one set of names.
+@dataclass(frozen=True)
+class _Received:
+    """Messages of one topic that a trial has in its bag.
 
     Attributes:
+        path: of the bag.
+        topic: of the messages.
         stamps: [ns].
-        rows: numbers of each message.
-        frame: of the first.
+        contents: decoded, one for each stamp.
+        notes: of the trial, to which what is changed or left out is added.
     """
 
-    frame: str = ""
-    stamps: list[int] = field(default_factory=list)
-    rows: list[Sequence[float] | FloatArray] = field(default_factory=list)
+    path: Path
+    topic: str
+    stamps: list[int]
+    contents: list[Any]
+    notes: list[str]
 
-    def ordered(self) -> tuple[Stamps, FloatArray]:
-        """Stamps (T,) [ns] that increase, and rows (T, k) in the message's units."""
+    def note(self, text: str) -> None:
+        self.notes.append(f"{self.topic}: {text}")
+
+    def error(self, problem: str) -> RecordingError:
+        """The error to raise for this topic."""
+        return RecordingError(self.path, problem, field=self.topic)
+
+    def ordered(self, rows: ArrayLike) -> tuple[Stamps, FloatArray]:
+        """Stamps (T,) [ns] that increase, and the rows (T, ...) of their messages, as they are."""
         stamps = np.array(self.stamps, dtype=np.int64)
         kept = in_order(stamps)
-        return stamps[kept], np.array(self.rows, dtype=np.float64)[kept]
+        return stamps[kept], np.array(rows, dtype=np.float64)[kept]
+
+    def part(self, places: Sequence[int]) -> _Received:
+        """Some of its messages."""
+        return replace(
+            self,
+            stamps=[self.stamps[place] for place in places],
+            contents=[self.contents[place] for place in places],
+        )
 
 
 class _Importer:
@@ -106,17 +120,15 @@ class _Importer:
             for path, name in names.items():
                 if name not in shoe.names:
                     raise FieldError(
-                        mapping.path,
+                        mapping.head.path,
                         f"'{name}' is no channel of '{shoe.name}' ({', '.join(shoe.names)})",
                         field=f"cells.{topic}.{path}",
                     )
         for foot in mapping.wrenches:
-            foreign.check_six_axis(mapping.path, f"wrenches.{foot}", shoe, foot)
-        fields = mapping.joints.fields.values()
-        self._joints_by_field = {name for names in fields for name in names.values()}
+            foreign.check_six_axis(mapping.head.path, f"wrenches.{foot}", shoe, foot)
         self._base_T_link = _base_T_link(mapping)
 
-    def run(self, path: Path, trial: BagTrial) -> ImportedRun:
+    def run(self, path: Path, trial: Trial) -> ImportedRun:
         """One trial.
 
         Raises:
@@ -124,221 +136,166 @@ class _Importer:
         """
         with Bag(path) as bag:
             self._check_topics(bag)
-            span = [
-                None if at is None else bag.start_ns + round(1e9 * at)
-                for at in (trial.from_s, trial.to_s)
-            ]
-            length_s = 1e-9 * (bag.end_ns - bag.start_ns)
             by_topic: dict[str, list[BagMessage]] = defaultdict(list)
-            for count, message in enumerate(bag.messages(self._mapping.topics, *span), 1):
+            wanted = bag.messages(self._mapping.topics, trial.from_s, trial.to_s)
+            for count, message in enumerate(wanted, 1):
                 foreign.check_length(path, count)
                 by_topic[message.topic].append(message)
         notes: list[str] = []
         found: list[StampedMessage] = []
-        for topic, received in by_topic.items():
-            stamps = self._stamps(path, topic, received)
-            late = int(np.sum(~in_order(np.array(stamps))))
+        for topic, own in by_topic.items():
+            contents = [message.content for message in own]
+            by_receipt = topic in self._mapping.received
+            times = [one.received_ns if by_receipt else stamp_ns(one.content) for one in own]
+            received = _Received(path, topic, times, contents, notes)
+            if not by_receipt:
+                _check_stamps(received)
+            late = int(np.sum(~in_order(np.array(times))))
             if late:
-                _check_digits(path, topic, stamps, received)
-                notes.append(
-                    f"{topic}: {late} of {len(stamps)} messages have a stamp that repeats or goes "
-                    "back; they are left out"
+                _check_digits(received)
+                received.note(
+                    f"{late} of {len(times)} messages have a stamp that repeats or goes back; they "
+                    "are left out"
                 )
-            found += self._convert(path, topic, stamps, received, notes)
+            found += self._convert(received)
         missing = sorted(self._mapping.topics - set(by_topic))
         if missing:
             raise RecordingError(
                 path,
                 f"has no message of {', '.join(missing)} in this trial; check from_s and to_s (the "
-                f"bag is {length_s:.1f} s long)",
+                f"bag is {bag.length_s:.1f} s long)",
             )
-        return ImportedRun(path, trial.run, found, tuple(notes))
+        return ImportedRun(path, trial, found, tuple(notes))
 
     def _check_topics(self, bag: Bag) -> None:
         mapping = self._mapping
-        kinds: list[tuple[str, Iterable[str], Iterable[str]]] = [
-            ("joints.topics", mapping.joints.topics, [JOINT_STATE]),
-            ("cells.topics", mapping.cells.topics, [SHOE_VOLTAGES_TYPE]),
-            ("imu.topic", [mapping.imu] if mapping.imu else [], [IMU]),
-            ("base_pose.topic", [mapping.base_pose.topic] if mapping.base_pose else [], POSE_TYPES),
-        ]
-        kinds += [
-            (f"wrenches.{foot}.topic", [wrench.topic], [WRENCH])
-            for foot, wrench in mapping.wrenches.items()
-        ]
-        by_field = {"joints.topics": mapping.joints.fields, "cells.topics": mapping.cells.fields}
-        for key, topics, types in kinds:
+        by_path = {"joints.topics": mapping.joints.fields, "cells.topics": mapping.cells.fields}
+        for key, topics in mapping.by_field.items():
+            types = TYPES[key.partition(".")[0]]
             for topic in topics:
-                if topic in bag.topics and topic in by_field.get(key, {}):
+                if topic in bag.topics and topic in by_path.get(key, {}):
                     continue
                 fitting = [name for name, one in bag.topics.items() if one.type in types]
                 if topic not in fitting:
                     kind = f"is {bag.topics[topic].type}" if topic in bag.topics else "is missing"
                     raise FieldError(
-                        mapping.path,
+                        mapping.head.path,
                         f"'{topic}' {kind} in {bag.path.name}; topics of {' or '.join(types)} "
                         f"there: {', '.join(fitting) or 'none'}",
                         field=key,
                     )
 
-    def _stamps(self, path: Path, topic: str, received: Sequence[BagMessage]) -> list[int]:
-        if topic in self._mapping.received:
-            return [message.received_ns for message in received]
-        stamps = [stamp_ns(message.content) for message in received]
-        if min(stamps) < 0 or max(stamps) >= foreign.LATEST_NS:
-            raise RecordingError(
-                path,
-                "has stamps before 1970 or after 2038; correct its sender, or list it under "
-                "'received' of the mapping",
-                field=topic,
-            )
-        if not any(stamps):
-            raise RecordingError(
-                path,
-                "its messages carry no stamp; list it under 'received' of the mapping to take the "
-                "times they were received",
-                field=topic,
-            )
-        return stamps
-
-    def _convert(
-        self,
-        path: Path,
-        topic: str,
-        stamps: list[int],
-        received: list[BagMessage],
-        notes: list[str],
-    ) -> list[StampedMessage]:
+    def _convert(self, received: _Received) -> list[StampedMessage]:
         """Messages of a run made of those of one topic of the bag."""
-        mapping = self._mapping
-        contents = [message.content for message in received]
+        mapping, topic, contents = self._mapping, received.topic, received.contents
         # One message may hold both.
-        by_field = [own for own in (mapping.joints, mapping.cells) if topic in own.fields]
-        if by_field:
-            made = [self._numbers(path, topic, own, stamps, contents) for own in by_field]
-            return list(chain.from_iterable(made))
+        by_path = [own for own in (mapping.joints, mapping.cells) if topic in own.fields]
+        if by_path:
+            return list(chain.from_iterable(self._numbers(received, own) for own in by_path))
         if topic in mapping.joints.topics:
-            return self._joint_states(path, topic, stamps, contents, notes)
+            return self._joint_states(received)
         if topic in mapping.cells.topics:
-            return self._voltages(stamps, contents)
-        frame = self._frame(topic, str(contents[0].header.frame_id), notes)
+            return self._voltages(received)
+        frame = self._frame(received)
+        numbers = SENSORS[contents[0].__msgtype__]
+        stamps, rows = received.ordered([numbers(one) for one in contents])
         if topic == mapping.imu:
-            return _imu(frame, stamps, contents)
+            # By the message's definition -1 as first element says that there is no orientation;
+            # what is no unit quaternion the reader leaves out.
+            oriented = contents[0].orientation_covariance[0] != -1.0
+            return foreign.imu(stamps, frame, rows if oriented else rows[:, :6])
         if mapping.base_pose is not None and topic == mapping.base_pose.topic:
-            return self._base_poses(path, topic, frame, stamps, contents, notes)
-        samples = _Samples(frame, stamps)
-        samples.rows = [[*_xyz(one.wrench.force), *_xyz(one.wrench.torque)] for one in contents]
-        kept, rows = samples.ordered()
-        found = []
-        for foot, wrench in mapping.wrenches.items():
-            if wrench.topic == topic:
-                force, torque = rows[:, :3] @ wrench.rotation.T, rows[:, 3:] @ wrench.rotation.T
-                found += foreign.wrenches(foot, kept, frame, force, torque)
-        return found
+            good = foreign.whole_poses(received.path, topic, rows, received.notes)
+            return foreign.base_poses(stamps[good], frame, self._of_the_base(rows[good]))
+        foot, wrench = next(
+            (foot, one) for foot, one in mapping.wrenches.items() if one.topic == topic
+        )
+        turned = [part @ wrench.rotation.T for part in (rows[:, :3], rows[:, 3:])]
+        return foreign.wrenches(foot, stamps, frame, np.hstack(turned))
 
-    def _numbers(
-        self, path: Path, topic: str, own: NamedTopics, stamps: list[int], contents: list[Any]
-    ) -> list[StampedMessage]:
+    def _numbers(self, received: _Received, own: NamedTopics) -> list[StampedMessage]:
         """Joint angles or readings in messages of any type, by the paths of their fields."""
-        names = own.fields[topic]
+        topic, paths = received.topic, list(own.fields[received.topic])
+        names = list(own.fields[topic].values())
         try:
-            values = table(contents, list(names))
+            stamps, rows = received.ordered(table(received.contents, paths))
         except LookupError as error:
-            listed = ", ".join(numbers_in(contents[0])) or "none"
-            raise RecordingError(
-                path,
-                f"its messages have no number '{error}'; there are: {listed}; correct the mapping",
-                field=topic,
+            listed = ", ".join(numbers_in(received.contents[0])) or "none"
+            raise received.error(
+                f"its messages have no number '{error}'; there are: {listed}; correct the mapping"
             ) from error
-        samples = _Samples("", stamps, list(values))
-        kept, rows = samples.ordered()
-        if own is self._mapping.joints:
-            unknown = sorted(set(names.values()) - self._urdf.joints)
-            if unknown:
-                raise FieldError(
-                    self._mapping.path,
-                    f"'{unknown[0]}' is no joint of the robot; correct it",
-                    field=f"joints.{topic}",
-                )
-            return foreign.joint_states(kept, list(names.values()), rows * self._mapping.angle_unit)
-        return [
-            StampedMessage(
-                stamp,
-                schemas.VOLTAGES,
-                messages.shoe_voltages(
-                    stamp, count, list(names.values()), row,
-                    np.where(np.isfinite(row), schemas.GOOD, schemas.NO_DATA), frame_id=topic,
-                ),
+        if own is not self._mapping.joints:
+            return foreign.voltages(stamps, names, rows, topic)
+        unknown = sorted(set(names) - self._urdf.joints)
+        if unknown:
+            raise FieldError(
+                self._mapping.head.path,
+                f"'{unknown[0]}' is no joint of the robot; correct it",
+                field=f"joints.{topic}",
             )
-            for count, (stamp, row) in enumerate(zip(kept.tolist(), rows, strict=True))
-        ]  # fmt: skip
+        return foreign.joint_states(stamps, names, rows * self._mapping.head.angle_unit)
 
-    def _frame(self, topic: str, frame: str, notes: list[str]) -> str:
+    def _frame(self, received: _Received) -> str:
         """A frame as the URDF names it; one that it has not stays as it is."""
+        frame = str(received.contents[0].header.frame_id)
         known = without_prefix(frame, self._urdf.frames)
         if known is not None and known != frame.lstrip("/"):
-            notes.append(f"{topic}: frame '{frame}' is taken as the URDF's '{known}'")
+            received.note(f"frame '{frame}' is taken as the URDF's '{known}'")
         return known or frame
 
-    def _joint_states(
-        self, path: Path, topic: str, stamps: list[int], contents: list[Any], notes: list[str]
-    ) -> list[StampedMessage]:
-        by_names: dict[tuple[tuple[str, ...], bool], _Samples] = defaultdict(_Samples)
+    def _joint_states(self, received: _Received) -> list[StampedMessage]:
+        by_names: dict[tuple[tuple[str, ...], tuple[str, ...]], list[int]] = defaultdict(list)
         without = 0
-        for stamp, one in zip(stamps, contents, strict=True):
+        for place, one in enumerate(received.contents):
             if len(one.position) != len(one.name):
                 without += 1
                 continue
             with_effort = len(one.effort) == len(one.name)
-            samples = by_names[tuple(one.name), with_effort]
-            samples.stamps.append(stamp)
-            samples.rows.append(
-                np.concatenate([one.position, one.effort]) if with_effort else one.position
-            )
+            quantities: tuple[str, ...] = ("position", "effort")[: 1 + with_effort]
+            by_names[tuple(one.name), quantities].append(place)
         if not by_names:
-            raise RecordingError(
-                path,
+            raise received.error(
                 "none of its messages has a position for each of its names; name the topic of the "
-                "measured joint angles in the mapping",
-                field=topic,
+                "measured joint angles in the mapping"
             )
         if without:
-            notes.append(f"{topic}: {without} messages without joint angles left out")
-        groups = [(names, np.array(one.stamps)) for (names, _), one in by_names.items()]
+            received.note(f"{without} messages without joint angles left out")
+        senders = {key: received.part(places) for key, places in by_names.items()}
+        groups = [(names, np.array(one.stamps)) for (names, _), one in senders.items()]
         if (twice := two_orders(groups)) is not None:
-            raise RecordingError(path, two_orders_text(*twice), field=topic)
+            raise received.error(two_orders_text(*twice))
         unknown = set[str]()
         found = []
-        for (names, with_effort), samples in by_names.items():
+        for (names, quantities), sent in senders.items():
             renamed = [self._mapping.joints.rename.get(name, name) for name in names]
             own = [place for place, name in enumerate(renamed) if name in self._urdf.joints]
             unknown |= set(renamed) - self._urdf.joints
-            self._require_no_field(topic, renamed)
+            self._require_once(received.topic, renamed)
             if not own:
                 continue
-            kept, rows = samples.ordered()
-            effort = rows[:, len(names) :][:, own] if with_effort else None
-            position = rows[:, : len(names)][:, own] * self._mapping.angle_unit
-            found += foreign.joint_states(kept, [renamed[place] for place in own], position, effort)
+            stamps, rows = sent.ordered(
+                [[getattr(one, key) for key in quantities] for one in sent.contents]
+            )
+            position, *effort = np.moveaxis(rows[..., own], 1, 0)
+            position = position * self._mapping.head.angle_unit
+            found += foreign.joint_states(stamps, [renamed[at] for at in own], position, *effort)
         if not found:
-            raise RecordingError(
-                path,
+            raise received.error(
                 f"names no joint of the robot (there are: {_few(unknown) or 'none'}); correct "
-                "'joints' of the mapping",
-                field=topic,
+                "'joints' of the mapping"
             )
         if unknown:
-            notes.append(f"{topic}: joints that the robot lacks left out: {_few(unknown)}")
+            received.note(f"joints that the robot lacks left out: {_few(unknown)}")
         return found
 
-    def _require_no_field(self, topic: str, names: Sequence[str]) -> None:
+    def _require_once(self, topic: str, names: Sequence[str]) -> None:
         """Refuse joints that a field of another topic gives, too."""
-        twice = sorted(self._joints_by_field & set(names))
-        if twice:
+        by_path = chain.from_iterable(one.values() for one in self._mapping.joints.fields.values())
+        if twice := sorted(set(by_path) & set(names)):
             problem = f"'{twice[0]}' is given by a field and by {topic}; leave one of them out"
-            raise FieldError(self._mapping.path, problem, field="joints")
+            raise FieldError(self._mapping.head.path, problem, field="joints")
 
-    def _voltages(self, stamps: list[int], contents: list[Any]) -> list[StampedMessage]:
+    def _voltages(self, received: _Received) -> list[StampedMessage]:
         rename = self._mapping.cells.rename
         return [
             StampedMessage(
@@ -354,59 +311,53 @@ class _Importer:
                     frame_id=str(one.header.frame_id),
                 ),
             )
-            for stamp, one in zip(stamps, contents, strict=True)
+            for stamp, one in zip(received.stamps, received.contents, strict=True)
         ]
 
-    def _base_poses(
-        self,
-        path: Path,
-        topic: str,
-        frame: str,
-        stamps: list[int],
-        contents: list[Any],
-        notes: list[str],
-    ) -> list[StampedMessage]:
-        kind = POSE_TYPES[contents[0].__msgtype__]
-        samples = _Samples(frame, stamps)
-        samples.rows = [kind(one) for one in contents]
-        kept, rows = samples.ordered()
-        good = foreign.whole_poses(path, topic, rows[:, :3], rows[:, 3:], notes)
-        kept, rows = kept[good], rows[good]
-        rotation = Rotation.from_quat(rows[:, 3:])
+    def _of_the_base(self, poses: FloatArray) -> FloatArray:
+        """Poses (T, 7), position and quaternion, of the URDF's root by those of the mapped link."""
+        rotation = Rotation.from_quat(poses[:, 3:])
         link_R_base, link_p_base = self._base_T_link
-        position = rows[:, :3] + rotation.apply(link_p_base)
         quaternion = (rotation * Rotation.from_matrix(link_R_base)).as_quat()
-        return foreign.base_poses(kept, frame, position, quaternion)
+        return np.hstack([poses[:, :3] + rotation.apply(link_p_base), quaternion])
 
 
-def _check_digits(
-    path: Path, topic: str, stamps: Sequence[int], received: Sequence[BagMessage]
-) -> None:
+def _check_stamps(received: _Received) -> None:
+    """Refuse stamps that cannot be, and messages without any."""
+    stamps = received.stamps
+    if min(stamps) < 0 or max(stamps) >= foreign.LATEST_NS:
+        raise received.error(
+            "has stamps before 1970 or after 2038; correct its sender, or list it under "
+            "'received' of the mapping"
+        )
+    if not any(stamps):
+        raise received.error(
+            "its messages carry no stamp; list it under 'received' of the mapping to take the "
+            "times they were received"
+        )
+
+
+def _check_digits(received: _Received) -> None:
     """Refuse stamps that many messages of one sender share, unless a message is only sent again.
 
     Senders that share a topic differ in the names that they give.
     """
     senders: dict[tuple[str, ...], list[int]] = defaultdict(list)
-    for at, message in enumerate(received):
-        lists = (getattr(message.content, key, None) for key in ("name", "cell"))
+    for at, content in enumerate(received.contents):
+        lists = (getattr(content, key, None) for key in ("name", "cell"))
         names = tuple(chain.from_iterable(one for one in lists if isinstance(one, list)))
         senders[names].append(at)
-    for own in senders.values():
+    for places in senders.values():
+        own = received.part(places)
         # With another content under the same stamp, it is another sample.
-        fresh = [
-            at
-            for at, before in zip(own, [None, *own], strict=False)
-            if before is None or not _equal(received[at].content, received[before].content)
-        ]
-        times = np.array([stamps[at] for at in fresh])
+        fresh = [True, *(not _equal(*pair) for pair in pairwise(own.contents))]
+        times = np.array(own.stamps)[fresh]
         if few_digits(times):
-            raise RecordingError(
-                path,
+            raise received.error(
                 f"{int((np.diff(times) == 0).sum())} of {len(times)} messages have the stamp of "
                 "the one before: their sender rounds its stamps; let it stamp to a millisecond or "
                 "better, or list the topic under 'received' of the mapping to take the times that "
-                "the messages were received",
-                field=topic,
+                "the messages were received"
             )
 
 
@@ -423,46 +374,17 @@ def _base_T_link(mapping: BagMapping) -> tuple[FloatArray, FloatArray]:
     link = None if mapping.base_pose is None else mapping.base_pose.link
     if link is None:
         return np.eye(3), np.zeros(3)
-    model = read_urdf(mapping.files.urdf).model
+    model = read_urdf(mapping.head.urdf).model
     fixed = [str(frame.name) for frame in model.frames if frame.parentJoint == ROOT_JOINTS - 1]
     if link not in fixed:
         raise FieldError(
-            mapping.path,
+            mapping.head.path,
             f"'{link}' is no link that is fixed to the robot's base; it must be one of: "
             f"{', '.join(fixed)}",
             field="base_pose.link",
         )
     base_in_link = model.frames[model.getFrameId(link)].placement.inverse()
     return base_in_link.rotation, base_in_link.translation
-
-
-def _imu(frame: str, stamps: list[int], contents: list[Any]) -> list[StampedMessage]:
-    # By the message's definition -1 as first element says that there is no orientation; what is
-    # no unit quaternion the reader leaves out.
-    oriented = contents[0].orientation_covariance[0] != -1.0
-    samples = _Samples(frame, stamps)
-    samples.rows = [
-        [*_xyz(one.angular_velocity), *_xyz(one.linear_acceleration), *_xyzw(one.orientation)]
-        for one in contents
-    ]
-    kept, rows = samples.ordered()
-    return foreign.imu(kept, frame, rows[:, 6:] if oriented else None, rows[:, :3], rows[:, 3:6])
-
-
-def stamp_ns(content: Any) -> int:
-    """Stamp of a message's header; 0 where its sender set none, or where it has no header."""
-    stamp = getattr(getattr(content, "header", None), "stamp", None)
-    if stamp is None or not hasattr(stamp, "sec"):
-        return 0
-    return int(stamp.sec) * messages.SECOND_NS + int(stamp.nanosec)
-
-
-def _xyz(vector: Any) -> list[float]:
-    return [vector.x, vector.y, vector.z]
-
-
-def _xyzw(quaternion: Any) -> list[float]:
-    return [quaternion.x, quaternion.y, quaternion.z, quaternion.w]
 
 
 def _few(names: Iterable[str], most: int = 10) -> str:

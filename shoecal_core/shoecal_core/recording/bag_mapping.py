@@ -5,27 +5,17 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from shoecal_core.arrays import FloatArray
-from shoecal_core.files import Fields, read_yaml
-from shoecal_core.recording.foreign import (
-    ANGLE_UNIT,
-    RUN_KEYS,
-    SPAN_KEYS,
-    MappedFiles,
-    RunToImport,
-    mapped_files,
-    read_angle_unit,
-    read_run_to_import,
-    read_span,
-)
+from shoecal_core.files import Fields
+from shoecal_core.recording.mapping import MappingHead, open_mapping, read_head
 from shoecal_core.shoe.shoe import FEET
 
-FORMAT = 1
 CHOOSE = "choose"
 """Key of a draft under which several topics fit and one has to be chosen."""
 
@@ -69,60 +59,43 @@ class BaseTopic:
 
 
 @dataclass(frozen=True)
-class BagTrial:
-    """One run to import.
-
-    Attributes:
-        run: how it is listed.
-        bag: file or folder, relative to the recordings' folder.
-        from_s, to_s: span since the bag's first message [s]; None: from the start, to the end.
-    """
-
-    run: RunToImport
-    bag: str
-    from_s: float | None
-    to_s: float | None
-
-
-@dataclass(frozen=True)
 class BagMapping:
-    """A whole mapping file.
+    """A whole mapping file of bags.
 
     Attributes:
-        path: the file.
-        files: robot, URDF and shoe.
-        angle_unit: joint angles take it to be rad.
+        head: what every mapping says.
         wrenches: by foot.
         received: topics whose messages count at the time they were received, not at their stamp.
     """
 
-    path: Path
-    files: MappedFiles
-    angle_unit: float
+    head: MappingHead
     joints: NamedTopics
     cells: NamedTopics
     wrenches: Mapping[str, WrenchTopic]
     imu: str | None
     base_pose: BaseTopic | None
     received: frozenset[str]
-    trials: tuple[BagTrial, ...]
+
+    @property
+    def by_field(self) -> dict[str, tuple[str, ...]]:
+        """Topics that are imported, by the field that names them."""
+        base = self.base_pose
+        return {
+            "joints.topics": self.joints.topics,
+            "cells.topics": self.cells.topics,
+            "imu.topic": () if self.imu is None else (self.imu,),
+            "base_pose.topic": () if base is None else (base.topic,),
+            **{f"wrenches.{foot}.topic": (one.topic,) for foot, one in self.wrenches.items()},
+        }
 
     @property
     def topics(self) -> frozenset[str]:
         """All that are imported."""
-        single = (self.imu, self.base_pose.topic if self.base_pose is not None else None)
-        return frozenset(
-            [
-                *self.joints.topics,
-                *self.cells.topics,
-                *(wrench.topic for wrench in self.wrenches.values()),
-                *(topic for topic in single if topic is not None),
-            ]
-        )
+        return frozenset(chain.from_iterable(self.by_field.values()))
 
 
 def load_bag_mapping(path: Path, folder: Path) -> BagMapping:
-    """Read a mapping file.
+    """Read a mapping file of bags.
 
     Args:
         path: of the mapping.
@@ -132,21 +105,14 @@ def load_bag_mapping(path: Path, folder: Path) -> BagMapping:
         FileError: for anything missing, mistyped or contradictory, and for a topic that is still
             to be chosen.
     """
-    fields = read_yaml(path)
-    fields.format(FORMAT)
-    fields.only(
-        "format", "robot", "urdf", "shoe", "joints", "cells", "wrenches", "imu", "base_pose",
-        "received", "trials", ANGLE_UNIT,
-    )  # fmt: skip
+    fields = open_mapping(path, "joints", "cells", "wrenches", "imu", "base_pose", "received")
     if "cells" not in fields and "wrenches" not in fields:
         raise fields.error("wrenches", "is missing, and so is 'cells'; a run needs readings")
     wrenches = fields.mapping("wrenches") if "wrenches" in fields else None
     if wrenches is not None:
         wrenches.only(*FEET)
     mapping = BagMapping(
-        path=Path(path),
-        files=mapped_files(fields, folder),
-        angle_unit=read_angle_unit(fields),
+        head=read_head(fields, folder, None),
         joints=_named_topics(fields.mapping("joints")),
         cells=_named_topics(fields.mapping("cells")) if "cells" in fields else NamedTopics((), {}),
         wrenches={}
@@ -155,7 +121,6 @@ def load_bag_mapping(path: Path, folder: Path) -> BagMapping:
         imu=_topic(fields.mapping("imu"), "topic") if "imu" in fields else None,
         base_pose=_base(fields.mapping("base_pose")) if "base_pose" in fields else None,
         received=frozenset(fields.texts("received") if "received" in fields else []),
-        trials=tuple(_trial(item) for item in fields.items("trials")),
     )
     topics = [wrench.topic for wrench in mapping.wrenches.values()]
     for topic in set(topics):
@@ -213,9 +178,3 @@ def _chosen(fields: Fields, instead: str) -> None:
     if CHOOSE in fields:
         names = ", ".join(fields.texts(CHOOSE))
         raise fields.error(CHOOSE, f"several topics fit ({names}); write '{instead}' instead")
-
-
-def _trial(fields: Fields) -> BagTrial:
-    fields.only(*RUN_KEYS, *SPAN_KEYS, "bag")
-    from_s, to_s = read_span(fields)
-    return BagTrial(read_run_to_import(fields), fields.text("bag"), from_s, to_s)

@@ -13,13 +13,19 @@ import pinocchio as pin
 from shoecal_core.arrays import FloatArray
 from shoecal_core.recording.bag import Bag
 from shoecal_core.recording.bag_fields import (
+    IMU,
+    JOINT_STATE,
+    KNOWN,
     LOLA_JOINTS,
     LOLA_POSITIONS,
+    POSES,
+    SENSORS,
+    WRENCH,
     arrays_in,
     cells_by_words,
     numbers_in,
+    stamp_ns,
 )
-from shoecal_core.recording.bag_import import IMU, JOINT_STATE, POSE_TYPES, WRENCH, stamp_ns
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.names import matched_names, without_prefix
 from shoecal_core.recording.schemas import SHOE_VOLTAGES_TYPE
@@ -86,10 +92,6 @@ class Match:
     fields: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
 
 
-KNOWN = frozenset({JOINT_STATE, WRENCH, IMU, SHOE_VOLTAGES_TYPE, *POSE_TYPES})
-"""Types that are read for what they mean; of all others the numbers are."""
-
-
 def what_is_there(bag: Bag) -> str:
     """Its topics, for who looks for one that is not there."""
     topics = [
@@ -146,11 +148,7 @@ def _seen(kind: str, contents: Sequence[Any], delays: Sequence[float]) -> TopicC
     names = [
         name for one in contents for name in getattr(one, "name", getattr(one, "cell", []))
     ]  # fmt: skip
-    forces = [
-        [one.wrench.force.x, one.wrench.force.y, one.wrench.force.z]
-        for one in contents
-        if kind == WRENCH
-    ]
+    forces = [SENSORS[WRENCH](one)[:3] for one in contents if kind == WRENCH]
     return TopicContent(
         type=kind,
         frames=_distinct(str(one.header.frame_id) for one in contents),
@@ -373,7 +371,7 @@ def match_imu(seen: Mapping[str, TopicContent], robot: Robot) -> Match | None:
 
 def match_base_pose(seen: Mapping[str, TopicContent], robot: Robot) -> Match | None:
     """Odometry or poses of a link that is fixed to the base, else any."""
-    names = [name for name, one in seen.items() if one.type in POSE_TYPES]
+    names = [name for name, one in seen.items() if one.type in POSES]
     framed = [name for name in names if _parent_joint(robot, _child(seen[name])) == BASE]
     # A pose without a child frame may be anything's: a foot's, a ball's.
     open_ended = [name for name in names if not _child(seen[name])]

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -15,12 +16,9 @@ from shoecal_core.errors import FieldError
 from shoecal_core.recording import foreign, messages
 from shoecal_core.recording.csv_mapping import (
     CsvMapping,
-    ImuColumns,
     JointColumns,
-    PoseColumns,
-    Trial,
-    WrenchColumns,
-    load_mapping,
+    SensorColumns,
+    load_csv_mapping,
 )
 from shoecal_core.recording.csv_table import CsvColumn, CsvTable
 from shoecal_core.recording.foreign import ImportedRun, StampedMessage, Stamps
@@ -30,6 +28,7 @@ from shoecal_core.recording.imported_angles import (
     optional_joints,
 )
 from shoecal_core.recording.join import few_digits, in_order
+from shoecal_core.recording.mapping import Trial
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.urdf import Outline, read_outline
 from shoecal_core.shoe.shoe import Shoe, load_shoe
@@ -57,13 +56,11 @@ def import_csv(mapping_path: Path, folder: Path, out: Path) -> Session:
             line; nothing is made then.
     """
     folder = Path(folder)
-    mapping = load_mapping(Path(mapping_path), folder)
-    importer = _Importer(
-        mapping, folder, read_outline(mapping.files.urdf), load_shoe(mapping.files.shoe)
-    )
-    runs = [importer.run(trial) for trial in mapping.trials]
-    runs = check_angles(mapping.path, mapping.files, runs)
-    return foreign.write_session(out, mapping.files, runs)
+    mapping = load_csv_mapping(Path(mapping_path), folder)
+    head = mapping.head
+    importer = _Importer(mapping, folder, read_outline(head.urdf), load_shoe(head.shoe))
+    runs = [importer.run(trial) for trial in head.trials]
+    return foreign.write_session(out, head, check_angles(head, runs))
 
 
 @dataclass
@@ -73,43 +70,42 @@ class _Rows:
     Attributes:
         stamps: (T,) [ns].
         kept: (T,) their places in the file.
+        notes: of the trial, to which what is changed or left out is added.
     """
 
     table: CsvTable
     stamps: Stamps
     kept: IntArray
+    notes: list[str]
 
-    def read(self, columns: tuple[CsvColumn, ...], notes: list[str]) -> FloatArray:
+    def read(self, columns: tuple[CsvColumn, ...]) -> FloatArray:
         """(T, c) numbers, NaN for those that are not there; how many these are is noted."""
         found = self.table.read_all(columns, gaps=True)[self.kept]
         missing = np.isnan(found).sum(axis=0)
         if missing.any():
             worst = columns[int(np.argmax(missing))].name
-            notes.append(
+            self.notes.append(
                 f"{self.table.path.name}: {int(missing.sum())} values are not there, "
                 f"{int(missing.max())} of {len(found)} of '{worst}'"
             )
         return found
 
-    def read_whole(
-        self, groups: Sequence[tuple[CsvColumn, ...]], notes: list[str]
-    ) -> tuple[Stamps, list[FloatArray]]:
-        """Stamps (k,) of the rows that have all values, and (k, c) numbers of each group.
+    def read_whole(self, columns: tuple[CsvColumn, ...]) -> tuple[Stamps, FloatArray]:
+        """Stamps (k,) of the rows that have all values, and their (k, c) numbers.
 
         Raises:
             FieldError: where no row has all.
         """
-        found = self.read(tuple(column for group in groups for column in group), notes)
+        found = self.read(columns)
         whole = np.isfinite(found).all(axis=1)
         if not whole.any():
-            names = ", ".join(column.name for group in groups for column in group)
+            names = ", ".join(column.name for column in columns)
             raise FieldError(
                 self.table.path,
                 f"no row has a number in each of {names}; record them, or take them out of the "
                 "mapping",
             )
-        ends = np.cumsum([len(group) for group in groups])[:-1]
-        return self.stamps[whole], np.split(found[whole], ends, axis=1)
+        return self.stamps[whole], found[whole]
 
 
 class _Importer:
@@ -117,7 +113,7 @@ class _Importer:
         self._mapping = mapping
         self._folder = folder
         self._joints = urdf.joints
-        self._optional = optional_joints(mapping.files.robot)
+        self._optional = optional_joints(mapping.head.robot)
         self._shoe = shoe
         self._check_channels()
 
@@ -129,20 +125,16 @@ class _Importer:
             for name, file in trial.files.items()
         }
         rows = _cut(self._rows(tables, trial.start_ns, notes), trial)
-        found = self._joint_states(rows, notes)
+        found = self._joint_states(rows)
         for name, meaning in mapping.tables.items():
             here = rows[name]
-            if meaning.base_pose is not None:
-                found += _poses(here, meaning.base_pose, self._mapping.angle_unit, notes)
-            if meaning.wrench is not None:
-                found += _wrenches(here, meaning.wrench, notes)
-            if meaning.imu is not None:
-                found += _imu(here, meaning.imu, notes)
+            for sensor, columns in meaning.sensors.items():
+                found += self._sensor(sensor, here, columns)
             if meaning.cells:
-                values = here.read(tuple(meaning.cells.values()), notes)
+                values = here.read(tuple(meaning.cells.values()))
                 found += foreign.voltages(here.stamps, tuple(meaning.cells), values)
         source = next(tables[name].path for name, one in mapping.tables.items() if one.joints)
-        return ImportedRun(source, trial.run, found, tuple(notes))
+        return ImportedRun(source, trial, found, tuple(notes))
 
     def _rows(
         self, tables: Mapping[str, CsvTable], start_ns: int, notes: list[str]
@@ -159,7 +151,7 @@ class _Importer:
         time = self._mapping.tables[clock].time
         assert time is not None
         rows = _timed(tables[clock], time, start_ns, notes, count)
-        return {name: _Rows(table, rows.stamps, rows.kept) for name, table in tables.items()}
+        return {name: replace(rows, table=table) for name, table in tables.items()}
 
     def _common_rows(self, tables: Mapping[str, CsvTable], clock: str, notes: list[str]) -> int:
         """Number of rows that all tables of one clock have."""
@@ -179,45 +171,57 @@ class _Importer:
                 )
         return count
 
-    def _joint_states(self, rows: Mapping[str, _Rows], notes: list[str]) -> list[StampedMessage]:
+    def _joint_states(self, rows: Mapping[str, _Rows]) -> list[StampedMessage]:
         """Angles, with the efforts at the same instants."""
-        effort_names: tuple[str, ...] = ()
+        efforts: dict[str, FloatArray] = {}
         for name, meaning in self._mapping.tables.items():
             if meaning.efforts:
-                effort_names, columns = self._columns(rows[name].table, meaning.efforts)
-                effort_rows, efforts = rows[name], rows[name].read(columns, notes)
+                measured = rows[name]
+                columns = self._columns(measured.table, meaning.efforts)
+                read = measured.read(tuple(columns.values()))
+                efforts = dict(zip(columns, read.T, strict=True))
         found: list[StampedMessage] = []
         for name, meaning in self._mapping.tables.items():
             if not meaning.joints:
                 continue
             here = rows[name]
-            names, columns = self._columns(here.table, meaning.joints)
+            columns = self._columns(here.table, meaning.joints)
             effort = None
-            if effort_names:
-                effort = np.full((len(here.stamps), len(names)), np.nan)
-                for place, joint in enumerate(names):
-                    if joint in effort_names:
-                        own = efforts[:, effort_names.index(joint)]
-                        effort[:, place] = np.interp(here.stamps, effort_rows.stamps, own)
-            position = here.read(columns, notes) * self._mapping.angle_unit
-            for joint, column, angles in zip(names, columns, position.T, strict=True):
+            if efforts:
+                effort = np.full((len(here.stamps), len(columns)), np.nan)
+                for place, joint in enumerate(columns):
+                    if joint in efforts:
+                        effort[:, place] = np.interp(here.stamps, measured.stamps, efforts[joint])
+            position = here.read(tuple(columns.values())) * self._mapping.head.angle_unit
+            for (joint, column), angles in zip(columns.items(), position.T, strict=True):
                 if joint not in self._optional and np.isnan(angles).all():
                     where = f"column '{column.name}'"
-                    raise no_angles(here.table.path, joint, self._mapping.files.robot, where)
-            found += foreign.joint_states(here.stamps, names, position, effort)
+                    raise no_angles(here.table.path, joint, self._mapping.head.robot, where)
+            found += foreign.joint_states(here.stamps, tuple(columns), position, effort)
         return found
 
-    def _columns(
-        self, table: CsvTable, wanted: JointColumns
-    ) -> tuple[tuple[str, ...], tuple[CsvColumn, ...]]:
-        """Names of joints, and their columns."""
+    def _sensor(self, sensor: str, rows: _Rows, columns: SensorColumns) -> list[StampedMessage]:
+        """One of SENSORS."""
+        stamps, values = rows.read_whole(tuple(chain.from_iterable(columns.groups.values())))
+        if sensor == "wrench":
+            return foreign.wrenches(columns.foot, stamps, columns.frame, values)
+        if sensor == "imu":
+            return foreign.imu(stamps, columns.frame, values)
+        if "zyx" in columns.groups:
+            turns = Rotation.from_euler("ZYX", self._mapping.head.angle_unit * values[:, 3:])
+            values = np.hstack([values[:, :3], turns.as_quat()])
+        good = foreign.whole_poses(rows.table.path, sensor, values, rows.notes)
+        return foreign.base_poses(stamps[good], columns.frame, values[good])
+
+    def _columns(self, table: CsvTable, wanted: JointColumns) -> Mapping[str, CsvColumn]:
+        """Columns by joint."""
         if not wanted.every:
-            return tuple(wanted.named), tuple(wanted.named.values())
-        names = tuple(name for name in table.names if name in self._joints)
-        if not names:
+            return wanted.named
+        found = {name: CsvColumn(name) for name in table.names if name in self._joints}
+        if not found:
             problem = "no column has the name of one of the robot's joints; name them in 'joints'"
             raise FieldError(table.path, problem)
-        return names, tuple(CsvColumn(name) for name in names)
+        return found
 
     def _check_channels(self) -> None:
         """Refuse joints and channels that robot and shoe do not have."""
@@ -227,15 +231,15 @@ class _Importer:
                     self._check(f"tables.{name}.{key}", joint, sorted(self._joints))
             for cell in meaning.cells:
                 self._check(f"tables.{name}.cells", cell, self._shoe.names)
-            if meaning.wrench is not None:
+            if (wrench := meaning.sensors.get("wrench")) is not None:
                 foreign.check_six_axis(
-                    self._mapping.path, f"tables.{name}.wrench", self._shoe, meaning.wrench.foot
+                    self._mapping.head.path, f"tables.{name}.wrench", self._shoe, wrench.foot
                 )
 
     def _check(self, field: str, name: str, known: list[str] | tuple[str, ...]) -> None:
         if name not in known:
             raise FieldError(
-                self._mapping.path, f"'{name}' is not one of: {', '.join(known)}", field=field
+                self._mapping.head.path, f"'{name}' is not one of: {', '.join(known)}", field=field
             )
 
 
@@ -268,7 +272,7 @@ def _timed(
             f"{table.path.name}: {len(back)} of {len(stamps)} rows left out, "
             f"their time repeats or goes back (first in line {table.line(int(back[0]))})"
         )
-    return _Rows(table, stamps[forward], np.flatnonzero(forward))
+    return _Rows(table, stamps[forward], np.flatnonzero(forward), notes)
 
 
 def _cut(rows: dict[str, _Rows], trial: Trial) -> dict[str, _Rows]:
@@ -293,29 +297,5 @@ def _cut(rows: dict[str, _Rows], trial: Trial) -> dict[str, _Rows]:
                 f"{since[-1]:.3f} s, counted from the first row of the trial's files; correct "
                 "'from_s' and 'to_s' of the mapping",
             )
-        cut[name] = _Rows(one.table, one.stamps[inside], one.kept[inside])
+        cut[name] = replace(one, stamps=one.stamps[inside], kept=one.kept[inside])
     return cut
-
-
-def _wrenches(rows: _Rows, columns: WrenchColumns, notes: list[str]) -> list[StampedMessage]:
-    stamps, (force, torque) = rows.read_whole([columns.force, columns.torque], notes)
-    return foreign.wrenches(columns.foot, stamps, columns.frame, force, torque)
-
-
-def _poses(
-    rows: _Rows, columns: PoseColumns, angle_unit: float, notes: list[str]
-) -> list[StampedMessage]:
-    rotation = columns.zyx or columns.quaternion
-    assert rotation is not None
-    stamps, (translation, turn) = rows.read_whole([columns.translation, rotation], notes)
-    if columns.zyx is not None:
-        turn = Rotation.from_euler("ZYX", angle_unit * turn).as_quat()
-    good = foreign.whole_poses(rows.table.path, "base_pose", translation, turn, notes)
-    return foreign.base_poses(stamps[good], columns.frame, translation[good], turn[good])
-
-
-def _imu(rows: _Rows, columns: ImuColumns, notes: list[str]) -> list[StampedMessage]:
-    groups = [columns.angular_velocity, columns.linear_acceleration, columns.quaternion or ()]
-    stamps, (rate, acceleration, quaternion) = rows.read_whole(groups, notes)
-    oriented = quaternion if columns.quaternion else None
-    return foreign.imu(stamps, columns.frame, oriented, rate, acceleration)

@@ -5,80 +5,71 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
-from shoecal_core.arrays import BoolArray, FloatArray
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import FieldError, FileError
 from shoecal_core.files import read_yaml
 from shoecal_core.recording import schemas
 from shoecal_core.recording.columns import Block, decode_columns
 from shoecal_core.recording.errors import RecordingError
-from shoecal_core.recording.foreign import ImportedRun, MappedFiles
+from shoecal_core.recording.foreign import ImportedRun
 from shoecal_core.recording.info import HANGING
 from shoecal_core.recording.joint_series import (
     JointSeries,
     Series,
+    beyond_limits,
     from_pieces,
-    postures,
+    in_degrees,
     with_numbers,
     without_zeros,
 )
-from shoecal_core.recording.limits import beyond_limits, in_degrees
+from shoecal_core.recording.mapping import MappingHead
+from shoecal_core.recording.standing import Feet, find_feet
 from shoecal_core.robot.double_support import DoubleSupport
-from shoecal_core.robot.joint_zeros import OpenLoop, open_loop
 from shoecal_core.robot.kinematics import Kinematics
-from shoecal_core.robot.level import standing_samples
 from shoecal_core.robot.robot import JointsMissingError
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.robot.urdf import read_outline
 from shoecal_core.shoe.shoe import FEET, Shoe, load_shoe
-from shoecal_core.shoe.vertical import both_carry_load
 
 APART = {"dx": (0.05, "m"), "dy": (0.05, "m"), "dtheta": (0.2, "rad")}
 """Supports by a tape measure and by joint angles differ by less; of opposite signs, by half."""
-SAMPLES = 200
-"""Instants of a run at which its support is looked at."""
-MOVES_M = 0.01
-"""Feet whose distance changes by more than this do not stand, where the trial does not say so."""
 
 
-def check_angles(
-    mapping: Path, files: MappedFiles, runs: Sequence[ImportedRun]
-) -> list[ImportedRun]:
+def check_angles(head: MappingHead, runs: Sequence[ImportedRun]) -> list[ImportedRun]:
     """The runs, with notes on what is wrong with their joint angles: no numbers, jumps to zero,
     beyond the URDF's limits, soles that are not level, other supports.
 
     Args:
-        mapping: the mapping file, whose trials the runs are, in its order.
-        files: that it names.
+        head: of the mapping file, whose trials the runs are, in its order.
         runs: as read.
 
     Raises:
         RecordingError: for joints that are missing or have no angles, and for angles in degrees.
         FieldError: for a support of the opposite sign than the joint angles give.
     """
-    limits = read_outline(files.urdf).limits
-    optional = optional_joints(files.robot)
+    limits = read_outline(head.urdf).limits
+    optional = optional_joints(head.robot)
     standing = [_stands(one) for one in runs]
-    shoe, kinematics = _shoe_and_kinematics(files) if any(standing) else (None, None)
+    shoe, kinematics = _shoe_and_kinematics(head) if any(standing) else (None, None)
     checked = []
     for place, (one, stands) in enumerate(zip(runs, standing, strict=True)):
         angles, lacking = with_numbers(_angles(one), optional)
         for joint, series in angles.items():
             if not len(series.time) and joint not in optional:
-                raise no_angles(one.source, joint, files.robot)
+                raise no_angles(one.source, joint, head.robot)
         angles, jumping = without_zeros(angles)
         notes = _beyond_limits(one.source, angles, limits)
         if shoe is not None and kinematics is not None and stands:
-            feet = _Feet.of(one, kinematics, shoe, angles)
-            if feet is not None and feet.loop is not None:
-                notes.append(feet.loop.text(loaded=feet.loaded))
-            elif feet is not None and one.run.support is not None and not notes:
+            given, feet = one.trial.support, _feet(one, kinematics, shoe, angles)
+            wrong = "" if feet is None else feet.wrong(stand=given is not None)
+            if wrong:
+                notes.append(wrong)
+            elif feet is not None and given is not None and not notes:
                 field = f"trials[{place}].support"
-                notes += _compare(mapping, field, one.source, one.run.support, feet.support)
+                notes += _compare(head.path, field, one.source, given, feet.support)
         checked.append(replace(one, notes=(*one.notes, *lacking, *jumping, *notes)))
     return checked
 
@@ -86,7 +77,7 @@ def check_angles(
 def _stands(one: ImportedRun) -> bool:
     """Whether both feet stand, as far as the trial says: it has a support, or nothing else."""
     poses = any(message.topic == schemas.BASE_POSE for message in one.messages)
-    return one.run.support is not None or not (poses or one.run.motion == HANGING)
+    return one.trial.support is not None or not (poses or one.trial.motion == HANGING)
 
 
 def optional_joints(robot: Path) -> list[str]:
@@ -105,11 +96,11 @@ def no_angles(source: Path, joint: str, robot: Path, where: str = "") -> Recordi
     )
 
 
-def _shoe_and_kinematics(files: MappedFiles) -> tuple[Shoe | None, Kinematics | None]:
+def _shoe_and_kinematics(head: MappingHead) -> tuple[Shoe | None, Kinematics | None]:
     """Of the robot in its shoes; None where its file is not ready, which its use will report."""
     with suppress(FileError):
-        shoe = load_shoe(files.shoe)
-        return shoe, Kinematics(load_robot(files.robot, shoe, urdf=files.urdf))
+        shoe = load_shoe(head.shoe)
+        return shoe, Kinematics(load_robot(head.robot, shoe, urdf=head.urdf))
     return None, None
 
 
@@ -154,50 +145,8 @@ def _beyond_limits(
     return [f"{found[first]}{more}: check unit, sign and zero"]
 
 
-@dataclass(frozen=True)
-class _Feet:
-    """What joint angles say of feet that stand.
-
-    Attributes:
-        support: where the right sole is, at instants at which both feet stand.
-        loop: what is wrong with soles that are not level.
-        loaded: both feet are known to carry load at these instants.
-    """
-
-    support: DoubleSupport
-    loop: OpenLoop | None
-    loaded: bool
-
-    @classmethod
-    def of(
-        cls, run: ImportedRun, kinematics: Kinematics, shoe: Shoe, angles: Series
-    ) -> _Feet | None:
-        """By forward kinematics; None where joints are missing and the trial has no support.
-
-        Raises:
-            RecordingError: the trial has a support, and joints are missing.
-        """
-        try:
-            instants, postured = postures(angles, kinematics.robot, SAMPLES)
-        except JointsMissingError as error:
-            if run.run.support is None:
-                return None
-            raise RecordingError(run.source, str(error)) from error
-        both = _both_carry_load(run, shoe, instants)
-        loaded = both is not None and bool(both.any())
-        standing = postured[both] if both is not None and loaded else postured
-        loop = open_loop(kinematics, standing)
-        states = kinematics.states(standing)
-        if not loaded:
-            states = states.part(standing_samples(states))
-        moves = bool(np.ptp(states.translation[:, :2], axis=0).max() > MOVES_M)
-        if loop is not None and not loop.fits and run.run.support is None and moves:
-            loop = None
-        return cls(states.support(), loop, loaded)
-
-
-def _both_carry_load(run: ImportedRun, shoe: Shoe, instants: FloatArray) -> BoolArray | None:
-    """(T,) both feet carry load at instants since 1970 [s]; None: that is not known."""
+def _readings(run: ImportedRun) -> Series:
+    """Of the cells and the six-axis sensors, by stamps since 1970 [s]."""
     pieces: dict[str, list[tuple[FloatArray, FloatArray]]] = {}
     for block in _blocks(run, schemas.VOLTAGES):
         for name, values in zip(block.texts["cell"], block.numbers["voltage"].T, strict=False):
@@ -206,17 +155,21 @@ def _both_carry_load(run: ImportedRun, shoe: Shoe, instants: FloatArray) -> Bool
         for block in _blocks(run, topic):
             force = block.numbers["wrench.force.z"][:, 0]
             pieces.setdefault(f"{foot}/fz", []).append((block.stamp_ns / 1e9, force))
-    series, _ = with_numbers(from_pieces(pieces), ())
-    vertical = [name for name, own in zip(shoe.names, shoe.vertical, strict=True) if own]
-    if any(name not in series or len(series[name].time) < 2 for name in vertical):
-        return None
-    time = series[vertical[0]].time
-    readings = np.zeros((len(time), len(shoe.names)))
-    for name in vertical:
-        column = shoe.names.index(name)
-        readings[:, column] = np.interp(time, series[name].time, series[name].angle)
-    both = both_carry_load(shoe, readings)
-    return None if both is None else np.interp(instants, time, both.astype(np.float64)) > 0.5
+    return from_pieces(pieces)
+
+
+def _feet(run: ImportedRun, kinematics: Kinematics, shoe: Shoe, angles: Series) -> Feet | None:
+    """How they stand; None where joints are missing and the trial has no support.
+
+    Raises:
+        RecordingError: the trial has a support, and joints are missing.
+    """
+    try:
+        return find_feet(kinematics, shoe, angles, _readings(run))
+    except JointsMissingError as error:
+        if run.trial.support is None:
+            return None
+        raise RecordingError(run.source, str(error)) from error
 
 
 def _compare(

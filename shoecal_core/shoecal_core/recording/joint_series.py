@@ -1,7 +1,10 @@
-"""Angles of single joints over time, and what is wrong with them: no numbers, jumps to zero."""
+"""Angles of single joints over time, and what is wrong with them: no numbers, jumps to zero, angles
+beyond the joints' limits.
+"""
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
@@ -22,6 +25,10 @@ SEVERAL = 2
 RETURN_SHARE = 0.5
 """Of its angle, by which a joint may have moved while it read zero."""
 MOST_NAMED = 6
+BEYOND_RAD = 0.1
+"""A joint whose zero is a little off misses its limits by less."""
+FAR_RAD = 1.0
+"""No joint is so far beyond its limits: its angles have another unit."""
 
 
 @dataclass(frozen=True)
@@ -209,3 +216,34 @@ def postures(series: Series, robot: Robot, count: int) -> tuple[FloatArray, Floa
     columns = [np.interp(instants, one.time, one.angle) for one in known.values()]
     columns += [np.full(count, robot.posture[joint]) for joint in lacking]
     return instants, robot.from_measured(names, np.stack(columns, axis=1))
+
+
+def beyond_limits(joint: str, position: FloatArray, low: float, high: float) -> str:
+    """What is beyond a joint's limits, in words; empty where nothing is.
+
+    Args:
+        joint: its name.
+        position: (T,) one or more angles [rad].
+        low, high: limits [rad].
+    """
+    beyond = _beyond(position, low, high)
+    if beyond.max() <= BEYOND_RAD:
+        return ""
+    return (
+        f"joint '{joint}' is at {position[np.argmax(beyond)]:.4g} rad, beyond its limits "
+        f"{low:.4g} to {high:.4g} rad in the URDF"
+    )
+
+
+def in_degrees(position: FloatArray, low: float, high: float) -> bool:
+    """Whether angles (T,) are far beyond limits [rad] that they are within as degrees."""
+    return bool(
+        high - low < math.tau  # joints without an end may have turned round and round
+        and _beyond(position, low, high).max() > FAR_RAD
+        and (_beyond(np.radians(position), low, high) < BEYOND_RAD).all()
+    )
+
+
+def _beyond(position: FloatArray, low: float, high: float) -> FloatArray:
+    """How far angles (T,) are beyond limits; negative within."""
+    return np.fmax(low - position, position - high)

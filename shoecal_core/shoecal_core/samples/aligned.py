@@ -9,7 +9,7 @@ import numpy as np
 from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.recording.align import interpolate_joints
 from shoecal_core.recording.errors import RecordingError
-from shoecal_core.recording.limits import beyond_limits, in_degrees
+from shoecal_core.recording.joint_series import beyond_limits, in_degrees
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.schemas import GOOD, JOINT_STATES
 from shoecal_core.robot.kinematics import BodyStates, Kinematics

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from mcap.reader import make_reader
+from mcap.writer import Writer
 from rosbags.interfaces import Connection
 from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
@@ -102,6 +106,17 @@ class BagWriter:
             velocity=np.zeros(0),
             effort=np.asarray(effort, dtype=np.float64),
         )
+
+    def joints(
+        self, time: float, names: Sequence[str], angles: Any = 0.0, topic: str = "/joint_states"
+    ) -> None:
+        """Angles of joints, one each or one for all, received when stamped."""
+        self.add(time, topic, self.joint_state(time, [*names], np.full(len(names), angles)))
+
+    def feet(self, time: float, sides: Sequence[str] = ("left", "right")) -> None:
+        """50 N on `/left` and `/right` in their sensors' frames, received when stamped."""
+        for side in sides:
+            self.add(time, f"/{side}", self.wrench(time, f"{side}_sensor", [0.0, 0.0, 50.0]))
 
     def wrench(self, time: float, frame: str, values: Any) -> Any:
         wrench = self.make(
@@ -210,3 +225,43 @@ def walk(
         bag.add(time, "/left_hand/wrench", bag.wrench(time, "left_forearm", [1.0, 2.0, 3.0]))
     bag.add(0.0, "/chatter", bag.make("std_msgs/msg/String", data="not of interest"))
     return bag
+
+
+def rewritten(
+    source: Path,
+    target: Path,
+    *,
+    profile: str = "ros2",
+    encoding: str = "",
+    undefined: str = "",
+    **options: Any,
+) -> Path:
+    """An MCAP file with the same bytes, written by other options of `mcap`.
+
+    Args:
+        source, target: the file, and the new one; they may be one.
+        profile: of the new one.
+        encoding: of all its messages; empty: as they are.
+        undefined: package whose definitions are left out; empty: none.
+        options: of the writer.
+    """
+    content = BytesIO(source.read_bytes())
+    with target.open("wb") as written:
+        writer, ids = Writer(written, **options), dict[int, int]()
+        writer.start(profile=profile)
+        for schema, channel, message in make_reader(content).iter_messages():
+            assert schema is not None
+            if channel.id not in ids:
+                kept = not undefined or not schema.name.startswith(undefined)
+                given = (schema.encoding, schema.data) if kept else ("", b"")
+                ids[channel.id] = writer.register_channel(
+                    channel.topic,
+                    encoding or channel.message_encoding,
+                    writer.register_schema(schema.name, *given),
+                    channel.metadata,
+                )
+            writer.add_message(
+                ids[channel.id], message.log_time, message.data, message.publish_time
+            )
+        writer.finish()
+    return target

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from mcap.reader import make_reader
 from mcap.writer import Writer
 
 from core.recording import bags
@@ -82,26 +81,11 @@ def test_a_bag_without_its_log_says_what_is_missing(tmp_path: Path) -> None:
         everything(copy)
 
 
-def rewritten(source: Path, target: Path, profile: str, encoding: str) -> Path:
-    """An MCAP file with the same bytes under another profile and encoding."""
-    with source.open("rb") as read, target.open("wb") as written:
-        writer, ids = Writer(written), {}
-        writer.start(profile=profile)
-        for schema, channel, message in make_reader(read).iter_messages():
-            if channel.id not in ids:
-                assert schema is not None
-                kind = writer.register_schema(schema.name, schema.encoding, schema.data)
-                ids[channel.id] = writer.register_channel(channel.topic, encoding, kind)
-            writer.add_message(
-                ids[channel.id], message.log_time, message.data, message.publish_time
-            )
-        writer.finish()
-    return target
-
-
 def test_messages_of_ros_2_are_read_whatever_the_profile(tmp_path: Path) -> None:
     (file,) = bags.walk(tmp_path, "bag", "mcap", JOINTS).close().glob("*.mcap")
-    assert everything(rewritten(file, tmp_path / "a.mcap", "", "cdr")) == everything(file)
+    assert everything(
+        bags.rewritten(file, tmp_path / "a.mcap", profile="", encoding="cdr")
+    ) == everything(file)
 
 
 def test_messages_of_ros_1_in_mcap_are_read(tmp_path: Path) -> None:
@@ -128,6 +112,6 @@ def test_messages_of_ros_1_in_mcap_are_read(tmp_path: Path) -> None:
 @pytest.mark.parametrize("encoding", ["json", "protobuf"])
 def test_messages_of_others_are_named(tmp_path: Path, encoding: str) -> None:
     (file,) = bags.walk(tmp_path, "bag", "mcap", JOINTS).close().glob("*.mcap")
-    other = rewritten(file, tmp_path / "a.mcap", "", encoding)
+    other = bags.rewritten(file, tmp_path / "a.mcap", profile="", encoding=encoding)
     with pytest.raises(FileError, match=f"its messages are {encoding}, not those of ROS"):
         everything(other)

@@ -6,15 +6,12 @@ import math
 import sqlite3
 from collections.abc import Mapping, Sequence
 from contextlib import closing
-from io import BytesIO
 from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from mcap.reader import make_reader
-from mcap.writer import Writer
 from rosbags.typesys import get_types_from_msg
 
 from core.recording import bags
@@ -52,7 +49,7 @@ class Recording:
         names = [*self.robot.joint_names]
         angles = [posture(joint) for joint in names]
         for time in times():
-            self.bag.add(time, "/joint_states", self.bag.joint_state(time, names, angles))
+            self.bag.joints(time, names, angles)
 
     def numbers(self, topic: str, kind: str, fields: Sequence[str], cells: Sequence[str]) -> None:
         """One field a cell, stamped."""
@@ -239,23 +236,7 @@ def _without_definitions(folder: Path, package: str) -> None:
         with closing(sqlite3.connect(database)) as connection, connection:
             connection.execute("DELETE FROM message_definitions")
     for path in folder.glob("*.mcap"):
-        with BytesIO(path.read_bytes()) as source, path.open("wb") as target:
-            writer = Writer(target)
-            writer.start(profile="ros2")
-            channels: dict[int, int] = {}
-            for schema, channel, message in make_reader(source).iter_messages():
-                assert schema is not None
-                if channel.id not in channels:
-                    kept = not schema.name.startswith(package)
-                    given = (schema.encoding, schema.data) if kept else ("", b"")
-                    channels[channel.id] = writer.register_channel(
-                        channel.topic,
-                        channel.message_encoding,
-                        writer.register_schema(schema.name, *given),
-                        channel.metadata,
-                    )
-                writer.add_message(channels[channel.id], message.log_time, message.data, 0)
-            writer.finish()
+        bags.rewritten(path, path, undefined=package)
 
 
 def test_a_joint_by_a_field_and_by_a_topic_is_refused(tmp_path: Path) -> None:

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from mcap.reader import make_reader
 from mcap.writer import CompressionType, Writer
 from rosbags.rosbag2 import CompressionMode
 from rosbags.typesys import get_types_from_msg
@@ -227,11 +226,7 @@ def test_stamps_of_another_clock_count_when_they_were_received(lab: Lab) -> None
 def test_a_wrench_of_the_other_foot_is_not_taken_for_want_of_a_better(lab: Lab) -> None:
     bag = bags.BagWriter(lab.folder, "one_foot", "mcap")
     for time in np.arange(0.0, 1.0, 0.01):
-        bag.add(
-            time,
-            "/joint_states",
-            bag.joint_state(time, list(lab.joints), np.zeros(len(lab.joints))),
-        )
+        bag.joints(time, lab.joints)
         bag.add(time, "/ft/left", bag.wrench(time, "sensor", [0.0, 0.0, 50.0]))
     assert lab.draft(bag.close())["wrenches"] == {"left": {"topic": "/ft/left"}}
     assert "no topic fits the right foot's six-axis sensor" in lab.mapping.read_text()
@@ -246,11 +241,9 @@ def test_two_senders_of_the_same_joints_are_refused(lab: Lab) -> None:
     for other, refused in ((names[::-1], True), (names[3:], False)):
         bag = bags.BagWriter(lab.folder, f"twice_{refused}", "mcap")
         for time in np.arange(0.0, 1.0, 0.01):
-            bag.add(time, "/joint_states", bag.joint_state(time, names, np.zeros(len(names))))
-            state = bag.joint_state(time + 0.005, other, np.zeros(len(other)))
-            bag.add(time + 0.005, "/joint_states", state)
-            for side in ("left", "right"):
-                bag.add(time, f"/{side}_foot_ft", bag.wrench(time, "ati", [0.0, 0.0, 50.0]))
+            bag.joints(time, names)
+            bag.joints(time + 0.005, other)
+            bag.feet(time)
         lab.draft(bag.close())
         folder = lab.folder / f"session_{refused}"
         if not refused:
@@ -269,9 +262,8 @@ def test_feet_that_stand_still_need_no_base_pose(lab: Lab) -> None:
         for time in np.arange(0.0, 1.0, 0.01):
             posture = robot.posture.copy()
             posture[robot.joint("left_hip_swing")] += sway * np.sin(6.0 * time)
-            bag.add(time, "/joint_states", bag.joint_state(time, list(lab.joints), posture))
-            for side in ("left", "right"):
-                bag.add(time, f"/{side}", bag.wrench(time, f"{side}_sensor", [0.0, 0.0, 50.0]))
+            bag.joints(time, lab.joints, posture)
+            bag.feet(time)
         bag.close()
     lab.draft(lab.folder / "stands", lab.folder / "steps")
     stands, steps = read_yaml(lab.mapping).items("trials")
@@ -291,9 +283,8 @@ def test_legs_and_arms_by_drivers_of_their_own(lab: Lab) -> None:
     rest = [name for name in lab.joints if name not in legs]
     for time in np.arange(0.0, 1.0, 0.01):
         for topic, names in (("/a/states", legs), ("/b/states", rest)):
-            bag.add(time, topic, bag.joint_state(time, names, np.full(len(names), 0.1)))
-        for side in ("left", "right"):
-            bag.add(time, f"/{side}", bag.wrench(time, f"{side}_sensor", [0.0, 0.0, 50.0]))
+            bag.joints(time, names, 0.1, topic)
+        bag.feet(time)
     mapping = lab.draft(bag.close())
     assert mapping["joints"] == {"topics": ["/a/states", "/b/states"]}
     run = lab.imported().read(1)
@@ -309,8 +300,7 @@ def test_cells_of_the_projects_own_driver(lab: Lab) -> None:
     bag.store.register(get_types_from_msg(schemas.SHOE_VOLTAGES_DEFINITION, kind))
     for step in range(100):
         time = 0.01 * step
-        bag.add(time, "/joint_states", bag.joint_state(time, list(lab.joints),
-                np.zeros(len(lab.joints))))  # fmt: skip
+        bag.joints(time, lab.joints)
         volts = bag.make(
             kind, header=bag.header(time, "board"), sequence=step, cell=cells,
             voltage=np.arange(6.0), status=np.zeros(6, dtype=np.uint8), temperature=21.0,
@@ -405,9 +395,8 @@ def test_commanded_and_measured_joints_are_asked_for(lab: Lab) -> None:
     assert lab.draft(bag.close())["joints"] == {"topics": ["/joint_states"]}
     bag = bags.BagWriter(lab.folder, "unusual", "mcap")
     for topic in ("/desired", "/measured"):
-        bag.add(0.0, topic, bag.joint_state(0.0, list(lab.joints), np.zeros(len(lab.joints))))
-    for side in ("left", "right"):
-        bag.add(0.0, f"/{side}", bag.wrench(0.0, "", [0.0, 0.0, -50.0]))
+        bag.joints(0.0, lab.joints, topic=topic)
+    bag.feet(0.0)
     assert lab.draft(bag.close())["joints"] == {"choose": ["/desired", "/measured"]}
 
 
@@ -426,9 +415,8 @@ def standing(lab: Lab, name: str, unit: float = 1.0) -> Path:
     posture = unit * load_robot(lab.robot).posture
     bag = bags.BagWriter(lab.folder, name, "mcap")
     for time in np.arange(0.0, 0.5, 0.01):
-        bag.add(time, "/joint_states", bag.joint_state(time, list(lab.joints), posture))
-        for side in ("left", "right"):
-            bag.add(time, f"/{side}", bag.wrench(time, f"{side}_sensor", [0.0, 0.0, 50.0]))
+        bag.joints(time, lab.joints, posture)
+        bag.feet(time)
     return bag.close()
 
 
@@ -486,19 +474,7 @@ def test_a_chunk_that_would_fill_the_memory_is_refused_before_it_is_unpacked(lab
 def test_chunks_compressed_by_lz4_are_read(lab: Lab) -> None:
     folder = bags.walk(lab.folder, "walk", "mcap", lab.joints).close()
     packed = lab.folder / "packed.mcap"
-    with (folder / "walk.mcap").open("rb") as source, packed.open("wb") as target:
-        writer = Writer(target, compression=CompressionType.LZ4)
-        writer.start("ros2")
-        channels: dict[int, int] = {}
-        for schema, channel, message in make_reader(source).iter_messages():
-            assert schema is not None
-            if channel.id not in channels:
-                kind = writer.register_schema(schema.name, schema.encoding, schema.data)
-                channels[channel.id] = writer.register_channel(channel.topic, "cdr", kind)
-            writer.add_message(
-                channels[channel.id], message.log_time, message.data, message.publish_time
-            )
-        writer.finish()
+    bags.rewritten(folder / "walk.mcap", packed, compression=CompressionType.LZ4)
     lab.draft(packed)
     assert len(lab.imported().read(1).joints.time) == 200
 
@@ -626,7 +602,7 @@ def test_joints_without_angles_are_refused(lab: Lab) -> None:
         bag = bags.BagWriter(lab.folder, name, "mcap")
         for time in np.arange(0.0, 0.5, 0.01):
             bag.add(time, "/joint_states", bag.joint_state(time, names, positions))
-            bag.add(time, "/left", bag.wrench(time, "left_sensor", [0.0, 0.0, 50.0]))
+            bag.feet(time, ["left"])
         lab.draft(bag.close())
         with pytest.raises(FileError) as caught:
             lab.imported()
@@ -636,8 +612,8 @@ def test_joints_without_angles_are_refused(lab: Lab) -> None:
 def test_a_joint_that_the_robot_needs_is_asked_for(lab: Lab) -> None:
     bag = bags.BagWriter(lab.folder, "stands", "mcap")
     for time in np.arange(0.0, 0.5, 0.01):
-        bag.add(time, "/joint_states", bag.joint_state(time, list(lab.joints[:-1]), 19 * [0.0]))
-        bag.add(time, "/left", bag.wrench(time, "left_sensor", [0.0, 0.0, 50.0]))
+        bag.joints(time, lab.joints[:-1])
+        bag.feet(time, ["left"])
     lab.draft(bag.close())
     lab.edit(trials=[{"motion": "standing", "bag": "stands", "support": [0.0, -0.1, 0.0]}])
     with pytest.raises(FileError, match=f"stands: robot 'wren' needs joint.* {lab.joints[-1]}"):
@@ -650,8 +626,8 @@ def test_a_base_pose_without_poses_is_refused(lab: Lab) -> None:
     bag = bags.BagWriter(lab.folder, "again", "mcap")
     for time in np.arange(0.0, 0.5, 0.01):
         bag.add(time, "/odom", bag.odometry(time, "body", [0, 0, 0.8], [0, 0, 0, 0]))
-        bag.add(time, "/joint_states", bag.joint_state(time, list(lab.joints), 20 * [0.0]))
-        bag.add(time, "/left", bag.wrench(time, "left_sensor", [0.0, 0.0, 50.0]))
+        bag.joints(time, lab.joints)
+        bag.feet(time, ["left"])
     lab.draft(bag.close())
     with pytest.raises(FileError, match="again: /odom: none of its poses has a position and"):
         lab.imported()

@@ -82,7 +82,7 @@ class Nao:
         for step, (time, angles, row) in enumerate(
             zip(self.time.tolist(), self.angles, self.readings(), strict=True)
         ):
-            bag.add(time, "/joint_states", bag.joint_state(time, names, angles))
+            bag.joints(time, names, angles)
             volts = bag.make(
                 kind, header=bag.header(time), sequence=step, cell=cells, voltage=row,
                 status=status, temperature=21.0,
