@@ -40,7 +40,7 @@ from shoecal_core.drafting.support_range import DraftRange, find_range
 from shoecal_core.errors import FileError
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot
-from shoecal_core.robot.urdf import UrdfError
+from shoecal_core.robot.urdf import UrdfError, is_limitless
 from shoecal_core.shoe.shoe import Shoe, load_shoe
 
 SENSING = (0.65, 0.6)
@@ -126,13 +126,10 @@ class Draft:
 
     @property
     def unlimited(self) -> list[str]:
-        """Of the legs: continuous joints, which have no limits in the URDF."""
-        continuous = {
-            joint.get("name")
-            for joint in self.body.root.iter("joint")
-            if joint.get("type") == "continuous"
-        }
-        return [name for name in self.leg_names if name in continuous]
+        """Of the legs: joints that turn without limits in the URDF."""
+        joints = self.body.root.iter("joint")
+        limitless = {joint.get("name") for joint in joints if is_limitless(joint)}
+        return [name for name in self.leg_names if name in limitless]
 
     @property
     def clipped(self) -> list[str]:
