@@ -38,7 +38,7 @@ from shoecal_core.drafting.soles import (
 )
 from shoecal_core.drafting.support_range import DraftRange, find_range
 from shoecal_core.errors import FileError
-from shoecal_core.robot.robot import Robot
+from shoecal_core.robot.robot import GRAVITY, Robot
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.robot.urdf import UrdfError, is_limitless
 from shoecal_core.shoe.shoe import Shoe, load_shoe
@@ -108,6 +108,16 @@ class Draft:
             for name, place in places.items()
             if not (model.effortLimit[place] > 0.0 and model.velocityLimit[place] > 0.0)
         ]
+
+    @property
+    def strength(self) -> float:
+        """Median torque limit of the legs' joints over the weight and the length of a leg."""
+        model, hip = self.body.model, self.body.centres[self.legs.chains[0][0]]
+        limits = [
+            model.effortLimit[model.joints[model.getJointId(name)].idx_v] for name in self.leg_names
+        ]
+        length = float((hip - self.soles[0].in_base.translation) @ UP)
+        return float(np.median(limits)) / (GRAVITY * self.mass * length)
 
     @property
     def ankles_roll(self) -> bool:
