@@ -52,6 +52,7 @@ UNITREE = "unitreerobotics/unitree_ros"
 DATA = "Gepetto/example-robot-data"
 ERGO = "icub-tech-iit/ergocub-software"
 PLAYGROUND = "google-deepmind/mujoco_playground"
+LIVELY = "HighTorque-Robotics/livelybot_pi_rl_baseline"
 TIDE = "HighTorque-Robotics/robot_urdf"
 GYM = "mujoco_playground/_src/locomotion"
 ROBOTS = (
@@ -117,6 +118,9 @@ ROBOTS = (
     Published("Pi Plus (HighTorque)", TIDE, "pi_plus_24dof/urdf/pi_plus_24dof.urdf"),
     Published("Pi Plus (HighTorque)", TIDE, "pi_plus_24dof/xml/pi_plus_20dof.xml"),
     Published("Pi (HighTorque)", TIDE, "pi_12dof/mjcf/pi_12dof.xml"),
+    Published("Pai (HighTorque)", LIVELY, "resources/robots/pai_12dof/urdf/pai_12dof.urdf"),
+    Published("Pai (HighTorque)", LIVELY, "resources/robots/pai_12dof/mjcf/pai_12dof.xml"),
+    Published("T1, 23 joints (Booster)", BOOSTER, "robots/T1/T1_23dof.xml"),
     Published("Hi (HighTorque)", TIDE, "hi_25dof/mjcf/hi_25dof.xml"),
     Published(
         "ToddlerBot, active",
