@@ -52,6 +52,8 @@ UNITREE = "unitreerobotics/unitree_ros"
 DATA = "Gepetto/example-robot-data"
 ERGO = "icub-tech-iit/ergocub-software"
 PLAYGROUND = "google-deepmind/mujoco_playground"
+LIVELY = "HighTorque-Robotics/livelybot_pi_rl_baseline"
+TIDE = "HighTorque-Robotics/robot_urdf"
 GYM = "mujoco_playground/_src/locomotion"
 ROBOTS = (
     Published("T1 (Booster)", T1, "resources/T1/T1_serial.urdf"),
@@ -113,6 +115,23 @@ ROBOTS = (
     Published("G1 (Unitree)", PLAYGROUND, f"{GYM}/g1/xmls/g1_mjx_feetonly.xml"),
     Published("G1, 23 joints (Unitree)", UNITREE, "robots/g1_description/g1_23dof_rev_1_0.xml"),
     Published("H1-2 (Unitree)", UNITREE, "robots/h1_2_description/h1_2.xml"),
+    Published("Pi Plus (HighTorque)", TIDE, "pi_plus_24dof/urdf/pi_plus_24dof.urdf"),
+    Published("Pi Plus (HighTorque)", TIDE, "pi_plus_24dof/xml/pi_plus_20dof.xml"),
+    Published("Pi (HighTorque)", TIDE, "pi_12dof/mjcf/pi_12dof.xml"),
+    Published("Pai (HighTorque)", LIVELY, "resources/robots/pai_12dof/urdf/pai_12dof.urdf"),
+    Published("Pai (HighTorque)", LIVELY, "resources/robots/pai_12dof/mjcf/pai_12dof.xml"),
+    Published("T1, 23 joints (Booster)", BOOSTER, "robots/T1/T1_23dof.xml"),
+    Published("Hi (HighTorque)", TIDE, "hi_25dof/mjcf/hi_25dof.xml"),
+    Published(
+        "ToddlerBot, active",
+        "hshi74/toddlerbot",
+        "toddlerbot/descriptions/toddlerbot_active/toddlerbot_active.xml",
+    ),
+    Published(
+        "ToddlerBot", "hshi74/toddlerbot", "toddlerbot/descriptions/toddlerbot/toddlerbot.xml"
+    ),
+    Published("Sigmaban (Rhoban)", "Rhoban/sigmaban_urdf", "robot.urdf"),
+    Published("JVRC-1", "isri-aist/jvrc_mj_description", "xml/jvrc1.xml"),
 )
 
 

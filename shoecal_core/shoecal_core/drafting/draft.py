@@ -38,9 +38,9 @@ from shoecal_core.drafting.soles import (
 )
 from shoecal_core.drafting.support_range import DraftRange, find_range
 from shoecal_core.errors import FileError
-from shoecal_core.robot.robot import Robot
+from shoecal_core.robot.robot import GRAVITY, Robot
 from shoecal_core.robot.robot_file import load_robot
-from shoecal_core.robot.urdf import UrdfError
+from shoecal_core.robot.urdf import UrdfError, is_limitless
 from shoecal_core.shoe.shoe import Shoe, load_shoe
 
 SENSING = (0.65, 0.6)
@@ -110,6 +110,16 @@ class Draft:
         ]
 
     @property
+    def strength(self) -> float:
+        """Median torque limit of the legs' joints over the weight and the length of a leg."""
+        model, hip = self.body.model, self.body.centres[self.legs.chains[0][0]]
+        limits = [
+            model.effortLimit[model.joints[model.getJointId(name)].idx_v] for name in self.leg_names
+        ]
+        length = float((hip - self.soles[0].in_base.translation) @ UP)
+        return float(np.median(limits)) / (GRAVITY * self.mass * length)
+
+    @property
     def ankles_roll(self) -> bool:
         """Whether one of the last two joints of each leg turns its foot about the forward axis."""
         return all(
@@ -126,13 +136,10 @@ class Draft:
 
     @property
     def unlimited(self) -> list[str]:
-        """Of the legs: continuous joints, which have no limits in the URDF."""
-        continuous = {
-            joint.get("name")
-            for joint in self.body.root.iter("joint")
-            if joint.get("type") == "continuous"
-        }
-        return [name for name in self.leg_names if name in continuous]
+        """Of the legs: joints that turn without limits in the URDF."""
+        joints = self.body.root.iter("joint")
+        limitless = {joint.get("name") for joint in joints if is_limitless(joint)}
+        return [name for name in self.leg_names if name in limitless]
 
     @property
     def clipped(self) -> list[str]:

@@ -125,23 +125,26 @@ class _Writer:
 
         The world itself where all hangs on it: a URDF that MuJoCo reads loses its base there.
         """
-        model = self._model
         roots = [one for one in self._children(0) if self._joints_below(one)]
         if not roots:
             raise MjcfError(self._path, "has no joints; give the model of the robot")
         best = max(roots, key=lambda one: len(self._joints_below(one)))
-        free = any(
-            int(model.jnt_type[joint]) == int(mjtJoint.mjJNT_FREE)
-            for joint in self._joints_of(best)
+        return best if self._floats(best) or not self._joints_of(best) else 0
+
+    def _floats(self, body: int) -> bool:
+        """By a free joint, or three slides and what turns them, none of which has a motor."""
+        joints, model = self._joints_of(body), self._model
+        kinds = [mjtJoint(int(model.jnt_type[joint])) for joint in joints]
+        driven = any(self._motors(joint) for joint in joints)
+        return mjtJoint.mjJNT_FREE in kinds or (
+            model.body_parentid[body] == 0 and kinds.count(mjtJoint.mjJNT_SLIDE) == 3 and not driven
         )
-        if free or not self._joints_of(best):
-            return best
-        return 0
 
     def _check(self) -> None:
         model = self._model
         for joint in range(model.njnt):
-            if int(model.jnt_bodyid[joint]) not in self._bodies:
+            body = int(model.jnt_bodyid[joint])
+            if body not in self._bodies or self._floats(body):
                 continue
             if model.jnt_type[joint] == mjtJoint.mjJNT_BALL:
                 raise MjcfError(
@@ -178,8 +181,10 @@ class _Writer:
         return [joint for one in self._below(body) for joint in self._moving(one)]
 
     def _moving(self, body: int) -> list[int]:
-        """Its hinges and slides, play left out."""
+        """Its hinges and slides, play left out; none of a base that floats."""
         model = self._model
+        if self._floats(body):
+            return []
         moving = [one for one in self._joints_of(body) if model.jnt_type[one] in _MOVING]
         return [one for one in moving if not self._is_play(one)]
 

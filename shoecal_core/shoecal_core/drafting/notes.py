@@ -73,8 +73,8 @@ def robot_notes(draft: Draft) -> list[Note]:
         notes.append(
             Note(
                 "legs",
-                f"{', '.join(draft.unlimited)}: continuous in the URDF, so half a turn either way.",
-                "make them revolute there, with the motors' limits.",
+                f"{', '.join(draft.unlimited)}: no limits in the URDF, so half a turn either way.",
+                "give the motors' limits there (type revolute, lower and upper).",
             )
         )
     if draft.body.locked:

@@ -19,6 +19,25 @@ COMPLIANCE = 0.0015
 """rad/(N m) of a gear on a robot as large as a NAO, which has 0.0045 of both."""
 
 
+USUAL_STRENGTH = 0.2
+"""Torque limit of a NAO's leg joint over its weight and the length of its leg."""
+MOST_SAG = 0.3
+"""rad."""
+
+
+def small_deflection(strength: float) -> JointDeflection:
+    """Of a robot that is not large: gears do not get stiffer by what their motors could bear.
+
+    So at the limit of a motor that is stronger for its robot than a NAO's, a joint sags more.
+
+    Args:
+        strength: torque limit of a leg joint over the weight and the length of the leg.
+    """
+    usual = Robot.deflection
+    sag = min(usual.sag * max(1.0, strength / USUAL_STRENGTH), MOST_SAG)
+    return JointDeflection(sag=round(sag, 3), play=usual.play)
+
+
 def reality_text(robot: Robot, shoe: Shoe) -> str:
     """REALITY.yaml: what of the default reality grows with the robot.
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from shoecal_core.drafting.draft import Draft
 from shoecal_core.drafting.notes import Note, robot_notes, shoe_notes
-from shoecal_core.drafting.simulated import LARGE_DEFLECTION, LARGE_KG
+from shoecal_core.drafting.simulated import LARGE_DEFLECTION, LARGE_KG, small_deflection
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import AXES, FEET
 
@@ -89,7 +89,7 @@ def robot_text(draft: Draft, urdf: str) -> str:
     page.say("friction")
     page.lines += [f"friction: {USUAL_FRICTION:g}", f"tilt_max_rad: {Robot.tilt_max:g}", ""]
     page.say("joint_deflection")
-    joint = LARGE_DEFLECTION if draft.mass > LARGE_KG else Robot.deflection
+    joint = LARGE_DEFLECTION if draft.mass > LARGE_KG else small_deflection(draft.strength)
     page.lines += [f"joint_deflection: {{sag_rad: {joint.sag:g}, play_rad: {joint.play:g}}}", ""]
     page.say("capsules")
     _add_capsules(page.lines, draft)

@@ -32,6 +32,11 @@ TRIED = 0.1
 """rad; angle of every joint at which frames are compared."""
 PLAY_ARMATURE = 0.01
 """Of a joint with play, by the inertia that it turns: MuJoCo needs one on either side."""
+_OLD = {
+    "apirate", "collision", "convexhull", "exactmeshinertia", "mpr_iterations", "mpr_tolerance",
+    "passive", "sensornoise",
+}  # fmt: skip
+"""Attributes of compiler, option and flag that MuJoCo had once."""
 _MOVING = (int(mjtJoint.mjJNT_HINGE), int(mjtJoint.mjJNT_SLIDE))
 _FELT = (mjtSensor.mjSENS_FORCE, mjtSensor.mjSENS_TORQUE, mjtSensor.mjSENS_TOUCH)
 _CURE = (
@@ -71,12 +76,28 @@ def read_mjcf(path: Path, lost: list[str] | None = None) -> tuple[mujoco.MjSpec,
 
 
 def _written_down(path: Path) -> mujoco.MjSpec:
-    """MuJoCo goes by the suffix, which is not .xml everywhere."""
-    if path.suffix.lower() == ".xml":
-        return mujoco.MjSpec.from_file(str(path))
-    spec = mujoco.MjSpec.from_string(read_bytes(path).decode("utf-8", errors="replace"))
+    """MuJoCo goes by the suffix, which is not .xml everywhere, and knows no attributes of old."""
+    text = read_bytes(path).decode("utf-8", errors="replace")
+    try:
+        if path.suffix.lower() == ".xml":
+            return mujoco.MjSpec.from_file(str(path))
+        spec = mujoco.MjSpec.from_string(text)
+    except ValueError as error:
+        if "unrecognized attribute" not in str(error):
+            raise
+        spec = mujoco.MjSpec.from_string(_without_old(text))
     spec.modelfiledir = str(path.parent)
     return spec
+
+
+def _without_old(text: str) -> str:
+    """An MJCF's text without settings that MuJoCo had once; no body or joint depends on them."""
+    root = ElementTree.fromstring(text)  # noqa: S314 - MuJoCo read it as XML, and unfolds nothing
+    for tag in ("compiler", "option", "flag"):
+        for element in root.iter(tag):
+            for name in _OLD & set(element.attrib):
+                del element.attrib[name]
+    return ElementTree.tostring(root, encoding="unicode")
 
 
 def _without_lost_meshes(path: Path, spec: mujoco.MjSpec) -> list[str]:

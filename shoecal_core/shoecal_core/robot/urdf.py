@@ -93,7 +93,7 @@ def read_urdf(path: Path) -> Urdf:
         )
     try:
         with caught_stderr() as complaints:
-            moving = _bounded(with_locked_fixed(text))
+            moving = _bounded(with_joints_plain(text))
             model = pin.buildModelFromXML(moving, pin.JointModelFreeFlyer())
     except (ValueError, RuntimeError, IndexError) as error:
         raise UrdfError(path, f"not a usable URDF: {_reason(complaints, error)}") from error
@@ -135,18 +135,55 @@ def _check_kind(path: Path, text: str) -> None:
         raise UrdfError(path, XACRO)
 
 
-def with_locked_fixed(text: str) -> str:
-    """A URDF's text with every joint whose limits are one angle, or place, as one that is fixed.
+def with_joints_plain(text: str) -> str:
+    """A URDF's text with joints as everything here takes them.
+
+    A joint whose limits are one angle, or place, is fixed there; one that turns without limits is
+    continuous. A base that floats in a world without mass is the root itself.
 
     The text is XML without a document type.
     """
     root = ElementTree.fromstring(text)  # noqa: S314 - document types have been refused
-    locked = [joint for joint in root.iter("joint") if _is_locked(joint)]
-    if not locked:
+    joints = list(root.iter("joint"))
+    locked = [joint for joint in joints if _is_locked(joint)]
+    limitless = [joint for joint in joints if is_limitless(joint)]
+    world = _floating(root)
+    if not (locked or limitless or world):
         return text
     for joint in locked:
         _fix(joint)
+    for joint in limitless:
+        joint.set("type", "continuous")
+    for element in world:
+        root.remove(element)
     return ElementTree.tostring(root, encoding="unicode")
+
+
+def is_limitless(joint: ElementTree.Element) -> bool:
+    """Whether a joint turns without limits of its angle."""
+    limit = joint.find("limit")
+    neither = limit is not None and not {"lower", "upper"} & set(limit.attrib)
+    return joint.get("type") == "continuous" or (joint.get("type") == "revolute" and neither)
+
+
+def _floating(root: ElementTree.Element) -> list[ElementTree.Element]:
+    """The joint on which the whole robot floats, and the link without mass before it."""
+    joints = root.findall("joint")
+    floating = [joint for joint in joints if joint.get("type") == "floating"]
+    if len(floating) != 1:
+        return []
+    world = _end(floating[0], "parent")
+    if sum(world in (_end(one, "parent"), _end(one, "child")) for one in joints) != 1:
+        return []
+    links = [link for link in root.findall("link") if link.get("name") == world]
+    if any(link.find("inertial") is not None for link in links):
+        return []
+    return [*floating, *links]
+
+
+def _end(joint: ElementTree.Element, tag: str) -> str | None:
+    end = joint.find(tag)
+    return None if end is None else end.get("link")
 
 
 def _is_locked(joint: ElementTree.Element) -> bool:

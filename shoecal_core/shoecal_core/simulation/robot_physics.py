@@ -9,7 +9,7 @@ import pinocchio as pin
 from shoecal_core.arrays import FloatArray
 from shoecal_core.files import read_bytes
 from shoecal_core.robot.robot import GRAVITY, Robot
-from shoecal_core.robot.urdf import ROOT_JOINTS, UrdfError, with_locked_fixed
+from shoecal_core.robot.urdf import ROOT_JOINTS, UrdfError, with_joints_plain
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.simulation.compiled_robot import RobotPhysics
 from shoecal_core.simulation.joint_friction import add_bristle
@@ -89,7 +89,7 @@ def _read_urdf(robot: Robot) -> mujoco.MjSpec:
     """The URDF's links and joints; shapes are left out, only soles touch anything."""
     text = read_bytes(robot.urdf).decode("utf-8", errors="replace")
     try:
-        spec = mujoco.MjSpec.from_string(with_locked_fixed(text))
+        spec = mujoco.MjSpec.from_string(with_joints_plain(text))
     except (ValueError, SyntaxError) as error:
         raise UrdfError(robot.urdf, f"not fit for simulation: {error}") from error
     for element in (*spec.geoms, *spec.meshes, *spec.equalities):

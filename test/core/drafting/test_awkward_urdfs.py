@@ -20,7 +20,7 @@ from shoecal_core.drafting.text import robot_text, shoe_text
 from shoecal_core.errors import FileError
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot_file import load_robot
-from shoecal_core.robot.urdf import read_urdf, with_locked_fixed
+from shoecal_core.robot.urdf import read_urdf, with_joints_plain
 
 FINGER = """<link name="{0}"><inertial><mass value="1e-6"/><inertia ixx="1e-9" ixy="0" ixz="0"
     iyy="1e-9" iyz="0" izz="1e-9"/></inertial></link>
@@ -134,7 +134,7 @@ def test_joints_that_equal_limits_lock(angle: float, kind: str, tmp_path: Path) 
         pin.centerOfMass(free_model, free_model.createData(), bent),
         atol=1e-9,
     )
-    spec = mujoco.MjSpec.from_string(with_locked_fixed(locked.read_text()))
+    spec = mujoco.MjSpec.from_string(with_joints_plain(locked.read_text()))
     assert spec.joint("finger") is None
     with pytest.raises(FileError, match="missing or crossed"):
         read_urdf(with_more(one, finger.format(kind, limit.format(0.1, 0.0))))
@@ -143,9 +143,36 @@ def test_joints_that_equal_limits_lock(angle: float, kind: str, tmp_path: Path) 
 def test_a_leg_joint_without_limits_is_reported(tmp_path: Path) -> None:
     urdf = edited(tmp_path, "wren", '"left_hip_turn" type="revolute"',
                   '"left_hip_turn" type="continuous"')  # fmt: skip
-    assert "left_hip_turn: continuous in the URDF, so half a turn either way." in told(
-        drafted(urdf)
+    assert "left_hip_turn: no limits in the URDF, so half a turn either way." in told(drafted(urdf))
+
+
+def test_a_revolute_joint_with_no_more_than_a_motor_is_limitless(tmp_path: Path) -> None:
+    """An exporter leaves the angles out that it was not given."""
+    limits = r'(<joint name="left_hip_turn".*?<limit) lower="[^"]*" upper="[^"]*"'
+    found = drafted(edited(tmp_path, "wren", limits, r"\1"))
+    assert "left_hip_turn: no limits in the URDF" in told(found)
+    joint = found.body.model.getJointId("left_hip_turn")
+    assert found.body.range(joint) == pytest.approx((-np.pi, np.pi))
+
+
+@pytest.mark.parametrize("heavy", [False, True])
+def test_a_base_that_floats_in_the_world_is_the_root(heavy: bool, tmp_path: Path) -> None:
+    """As MuJoCo wants it; a link with mass is no world."""
+    ball = (
+        FINGER.format("world", "x", "").partition("<joint")[0] if heavy else '<link name="world"/>'
     )
+    joint = """<joint name="float" type="floating"><parent link="world"/>
+        <child link="body"/></joint>"""
+    urdf = with_more(tmp_path, ball + joint)
+    if heavy:
+        with pytest.raises(FileError, match="only revolute"):
+            read_urdf(urdf)
+        return
+    model, known = read_urdf(urdf).model, read_urdf(ROBOTS / "wren.urdf").model
+    assert list(model.names) == list(known.names)
+    spec = mujoco.MjSpec.from_string(with_joints_plain(urdf.read_text()))
+    assert spec.body("body") is not None
+    drafted(urdf)
 
 
 def test_meshes_of_thighs_that_are_not_installed(tmp_path: Path) -> None:

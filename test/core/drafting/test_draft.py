@@ -13,10 +13,11 @@ from core.drafting.drafts import ROBOTS, draft, edited
 from core.robot import robots
 from shoecal_core.drafting.draft import draft_robot, prove
 from shoecal_core.drafting.notes import robot_notes, shoe_notes
+from shoecal_core.drafting.simulated import small_deflection
 from shoecal_core.drafting.text import robot_text, shoe_text
 from shoecal_core.errors import FileError
 from shoecal_core.robot.kinematics import Kinematics
-from shoecal_core.robot.robot import Robot
+from shoecal_core.robot.robot import JointDeflection, Robot
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.shoe.shoe import Shoe, load_shoe
 
@@ -225,3 +226,14 @@ def test_cells_in_the_feet_are_those_of_the_urdf(count: int, tmp_path: Path) -> 
     assert shoe.height == shoe.mass == 0.0
     for number in (0, 1):
         np.testing.assert_allclose(drafted.cells(number), places[:, :2], atol=1e-4)
+
+
+def test_strong_motors_on_a_small_robot_sag_more_at_their_limits(tmp_path: Path) -> None:
+    """Its gears are no stiffer for that."""
+    strong = edited(tmp_path, "wren", r'effort="([0-9.]+)"', 'effort="20"')
+    usual, found = draft("wren"), draft_robot(strong, "wren")
+    assert small_deflection(found.strength).sag == 0.3
+    weaker, stronger = (small_deflection(strength) for strength in (0.1, 0.4))
+    assert weaker == Robot.deflection
+    assert stronger == JointDeflection(sag=0.06, play=weaker.play)
+    assert 0.1 < usual.strength < 0.4

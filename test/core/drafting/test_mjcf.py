@@ -187,3 +187,24 @@ def test_a_suffix_that_mujoco_does_not_know(odd: Path) -> None:
     other = odd.with_suffix(".mjcf")
     other.write_text(odd.read_text())
     assert as_urdf(other, "meshes").urdf == as_urdf(odd, "meshes").urdf
+
+
+def test_settings_that_mujoco_had_once_are_left_out(odd: Path) -> None:
+    wanted = as_urdf(odd, "meshes").urdf
+    old = (
+        """<option apirate="50"><flag sensornoise="enable"/></option><compiler convexhull="true" """
+    )
+    odd.write_text(odd.read_text().replace("<compiler ", old, 1))
+    assert as_urdf(odd, "meshes").urdf == wanted
+    odd.write_text(odd.read_text().replace('gear="3"', 'gears="3"'))
+    with pytest.raises(MjcfError, match="gears"):
+        as_urdf(odd, "meshes")
+
+
+def test_a_base_on_slides_and_a_ball_floats(odd: Path) -> None:
+    """As before MuJoCo had free joints."""
+    wanted = as_urdf(odd, "meshes").urdf
+    slides = "".join(f'<joint type="slide" axis="{axis}"/>' for axis in ("1 0 0", "0 1 0", "0 0 1"))
+    text = odd.read_text().replace("<freejoint/>", f'{slides}<joint type="ball"/>')
+    odd.write_text(text)
+    assert as_urdf(odd, "meshes").urdf == wanted

@@ -504,8 +504,8 @@ BAD_URDF = {
     "a negative effort": (
         'effort="12"', 'effort="-12"', "joint waist_pitch", "is not a number of zero or more"
     ),
-    "no position limits": (
-        'lower="-0.5" upper="0.8"', "", "joint waist_pitch", "missing or crossed"
+    "one position limit": (
+        'lower="-0.5" upper="0.8"', 'lower="0.8"', "joint waist_pitch", "missing or crossed"
     ),
     "a floating joint": (
         'type="revolute"', 'type="floating"', "joint waist_pitch", "only revolute"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -98,8 +98,9 @@ def draw_supports(
 
     Each passes the checks of `Feasible`, and is the one of a few draws that is farthest from those
     kept before. Whichever `test_supports` of them are left out, the others fix every direction of
-    gains and offsets that as many can fix; sets that do not are drawn again. (Fewer than
-    `training_supports` are taken as they come.)
+    gains and offsets that as many can fix; sets that do not are drawn again. Where a robot's range
+    has no such set, the first ones fix every direction, those of `test_supports` left out. (Fewer
+    than `training_supports` are taken as they come.)
 
     Args:
         robot, shoe, settings: who visits them.
@@ -119,7 +120,8 @@ def draw_supports(
     if count < settings.training_supports:
         return _spread(pool, count, settings, generator)
     possible = best_rank(robot, shoe, trained_supports(count, settings), settings)
-    found = 0
+    found, trained = 0, trained_supports(count, settings)
+    by_some: list[DoubleSupport] = []
     for _ in range(_POOLS):
         parts = _parts(robot, shoe, pool, settings)
         for _ in range(_REDRAWS):
@@ -128,8 +130,25 @@ def draw_supports(
             if weakest >= possible:
                 return supports
             found = max(found, weakest)
+            by_some = by_some or _fixing_first(supports, parts, trained, possible, settings)
         pool += search.more(settings.support_pool)
+    if by_some:
+        return by_some
     raise UnobservableError(robot.name, found, possible, 2 * len(shoe.channels))
+
+
+def _fixing_first(
+    supports: Sequence[DoubleSupport],
+    parts: Mapping[DoubleSupport, FloatArray],
+    trained: int,
+    possible: int,
+    settings: PlannerSettings,
+) -> list[DoubleSupport]:
+    """The double supports, first as many as are trained that fix all; empty where none do."""
+    for chosen in itertools.combinations(supports, trained):
+        if rank(np.sum([parts[one] for one in chosen], axis=0), settings) >= possible:
+            return [*chosen, *(one for one in supports if one not in chosen)]
+    return []
 
 
 def other_supports(

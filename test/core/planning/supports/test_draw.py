@@ -13,7 +13,12 @@ from shoecal_core.errors import ShoecalError
 from shoecal_core.planning.landmarks import Contour
 from shoecal_core.planning.posture import StanceSolver, UnreachableError, middle
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.supports.draw import UnobservableError, draw_supports, other_supports
+from shoecal_core.planning.supports.draw import (
+    UnobservableError,
+    draw_supports,
+    other_supports,
+    weakest_rank,
+)
 from shoecal_core.planning.supports.feasible import Feasible, SupportRangeError
 from shoecal_core.planning.supports.observability import Visit, best_rank, information, rank
 from shoecal_core.robot.double_support import DoubleSupport
@@ -93,6 +98,22 @@ def test_yaw_that_never_differs_is_refused(body: Body) -> None:
     with pytest.raises(UnobservableError, match="dtheta_rad") as caught:
         draw_supports(flat, body.shoe, QUICK, 5, 0)
     assert caught.value.rank < caught.value.possible
+
+
+def test_where_not_any_three_fix_all_the_first_three_do(nao: Body) -> None:
+    """Of five double supports at two yaws, two of one: leave these out, and the yaw is one."""
+    robot, span = nao.robot, nao.robot.support_range
+    yaw = 0.5 * float(span.upper[2] - span.lower[2])
+    two = dataclasses.replace(
+        robot, support_range=dataclasses.replace(span, step=np.array([*span.step[:2], yaw]))
+    )
+    settings = dataclasses.replace(SETTINGS, support_pool=6, fixed_below=0.4)
+    supports = draw_supports(two, nao.shoe, settings, 5, 0)
+    possible = best_rank(two, nao.shoe, 3, settings)
+    visits = [Visit.expected(two, support, settings) for support in supports]
+    parts = [information(two, nao.shoe, visit) for visit in visits]
+    assert rank(np.sum(parts[:3], axis=0), settings) == possible
+    assert weakest_rank(parts, settings) < possible
 
 
 def test_a_robot_that_can_hardly_stand_is_given_up_by_the_likely_cause() -> None:
