@@ -90,8 +90,11 @@ def _joints(
     zero = body.JointOffset()
     yield from deviations(zero, signal_model, tolerances, zero.places(signal_model))
     # Play that is pushed; dragged it is friction.
-    pushed = len(body.FRICTION) if in_all_forms else 1
-    gears: list[tuple[Effect, int]] = [(body.JointCompliance(), 1), (body.Backlash(), pushed)]
+    pushed, torques = (len(body.FRICTION), body.TORQUES) if in_all_forms else (1, 1)
+    gears: list[tuple[Effect, int]] = [
+        (body.JointCompliance(), torques),
+        (body.Backlash(), pushed),
+    ]
     if in_all_forms:
         gears.append((body.JointFriction(), 1))
     # Gears of one robot are alike, and differ a little: one number in common, one a joint.

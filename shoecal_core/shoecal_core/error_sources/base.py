@@ -25,6 +25,7 @@ FORCES = {
 }  # fmt: skip
 """Powers of a force in the units of components."""
 LEAST_FACTOR = 0.2
+AT = " at "
 
 
 @dataclass(frozen=True)
@@ -109,6 +110,19 @@ class Effect(Protocol):
 def one_of(component: str, channel: str) -> str:
     """Name of a component that channels of one place have each for itself: `rate left/heel`."""
     return f"{component} {channel}"
+
+
+def one_at(component: str, where: str) -> str:
+    """Name of a component that a law has for itself at each of some loads or times: `bend at 9 N`.
+
+    The simulator has laws with a formula alone, and none of these.
+    """
+    return f"{component}{AT}{where}"
+
+
+def has_formula(names: Iterable[str]) -> bool:
+    """Whether a law with these components is one that a formula gives."""
+    return not any(AT in name for name in names)
 
 
 def split_name(name: str) -> tuple[str, str]:

@@ -91,8 +91,8 @@ class Links:
         rotation: (T, L, 3, 3) turns vectors of each link's frame.
         com: (T, L, 3) of each link [m].
         torque: (T, m) that motors hold with, as the vertical forces on the feet ask for [N m].
-        side: (T, 2, 3, m) of each foot's force on the floor's plane and upwards, in its sole
-            frame: how each joint's torque answers to it [m].
+        side: (T, 2, 4, m) of each foot's force along x, y, z of its sole frame [m] and its moment
+            about z [1]: how each joint's torque answers to it.
     """
 
     names: tuple[str, ...]
@@ -131,7 +131,7 @@ def links(samples: Samples, foot_wrenches: FloatArray) -> Links:
     rotations = np.zeros((count, model.njoints, 3, 3))
     origins = np.zeros((count, model.njoints, 3))
     torque = np.zeros((count, joints))
-    side = np.zeros((count, 2, 3, joints))
+    side = np.zeros((count, 2, 4, joints))
     still = np.zeros(model.nv)
     orientation, origin = base_in_stance(samples.states, samples.frame)
     for index in range(count):
@@ -147,7 +147,7 @@ def links(samples: Samples, foot_wrenches: FloatArray) -> Links:
             force, about_x, about_y = foot_wrenches[index, number]
             wrench = np.array([0.0, 0.0, force, about_x, about_y, 0.0])
             generalised -= at_sole.T @ wrench
-            side[index, number] = at_sole[:3, 6:]
+            side[index, number] = at_sole[[0, 1, 2, 5], 6:]
         torque[index] = generalised[6:]
     link_rotation = np.stack(
         [rotations[:, p] @ place.rotation for p, place in zip(parent, placed, strict=True)], axis=1

@@ -136,3 +136,37 @@ class Loads:
             own = [joint for joint in samples.robot.moved.tolist() if joint not in shared]
             torque[:, own] = samples.efforts[:, own]
         return torque
+
+    @cached_property
+    def settled_torque(self) -> FloatArray:
+        """(T, m) that the joints hold with where all give alike and both feet stick [N m].
+
+        Two feet on the floor can push against each other along the floor and twist, which no
+        vertical force shows. Joints that give let go until their elastic energy is least
+        (Castigliano's theorem): until they bend the feet in no way that the floor forbids. Friction
+        of motors, which reported efforts contain, does not count.
+        """
+        samples, links = self.samples, self.links
+        legs = samples.robot.moved
+        pushes = self._pushes[..., legs]
+        across = np.einsum("tkm,tlm->tkl", pushes, pushes)
+        along = np.einsum("tkm,tm->tk", pushes, links.torque[:, legs])
+        pushed = -np.einsum("tkl,tl->tk", np.linalg.pinv(across, hermitian=True), along)
+        settled = links.torque.copy()
+        settled[:, legs] += np.einsum("tk,tkm->tm", pushed, pushes)
+        return np.where(samples.both[:, None], settled, links.torque)
+
+    @property
+    def _pushes(self) -> FloatArray:
+        """(T, 3, m) torque by which joints answer where the right foot is pushed along x, along y
+        of the left sole's frame or twisted about z, and the left foot by as much the other way.
+        """
+        left, right = np.moveaxis(self.links.side, 1, 0)
+        place = np.array([(one.dx, one.dy, one.dtheta) for one in self.supports])
+        dx, dy, yaw = place[self.samples.segment].T[..., None]
+        c, s = np.cos(yaw), np.sin(yaw)
+        # Feet apart, pushed across, would turn: both hold half of that moment.
+        twist = 0.5 * (left[:, 3] + right[:, 3])
+        along_x = c * right[:, 0] - s * right[:, 1] - left[:, 0] + dy * twist
+        along_y = s * right[:, 0] + c * right[:, 1] - left[:, 1] - dx * twist
+        return -np.stack((along_x, along_y, right[:, 3] - left[:, 3]), axis=1)

@@ -20,7 +20,7 @@ import numpy as np
 
 from shoecal_core.arrays import FloatArray
 from shoecal_core.diagnosis.result import Cause, Diagnosis, SimulatedShrink
-from shoecal_core.error_sources.base import split_name
+from shoecal_core.error_sources.base import has_formula, split_name
 from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.fit import fit_parameters
 from shoecal_core.estimation.initial_guess import initial_guess
@@ -93,7 +93,7 @@ def with_simulated_shrink(
     """
     able = [cause for cause in diagnosis.causes if _can_be_simulated(cause)]
     notes = [
-        f"{cause.label} is no effect of the simulator: it was not simulated"
+        f"{cause.label}: the simulator has no such law; it was not simulated"
         for cause in diagnosis.causes
         if cause not in able
     ]
@@ -110,7 +110,8 @@ def with_simulated_shrink(
 
 
 def _can_be_simulated(cause: Cause) -> bool:
-    return cause.effect in EFFECTS and all(one.unit in SUFFIXES for one in cause.size.values())
+    known = cause.effect in EFFECTS and all(one.unit in SUFFIXES for one in cause.size.values())
+    return known and has_formula(cause.size)
 
 
 def items_of(cause: Cause) -> tuple[dict[object, object], ...]:

@@ -34,6 +34,8 @@ class Inertia:
             yield Shape(("factor",), signal_model.dynamic[None])
 
 
+TORQUES = 2
+"""Ways in which the torque of a joint is known: as reported, and as far as joints settle."""
 LEAST_MASS = 0.01
 """Links lighter than this share of the robot are not looked at."""
 FRICTION = (0.05, 0.2)
@@ -191,8 +193,9 @@ class JointCompliance(_Give):
     )
 
     def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
-        """In proportion to the torque that it holds."""
+        """In proportion to the torque that it holds: as reported, or as far as joints settle."""
         yield self._shape(signal_model, place, "compliance", signal_model.torque)
+        yield self._shape(signal_model, place, "compliance", signal_model.settled_torque)
 
 
 class Backlash(_Give):

@@ -7,8 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from shoecal_core.arrays import BoolArray, FloatArray, IntArray
-from shoecal_core.error_sources.base import Component, Place, Shape, one_of
+from shoecal_core.error_sources.base import Component, Place, Shape, one_at, one_of
 from shoecal_core.error_sources.effects import places
+from shoecal_core.error_sources.loads import LOOP_WIDTHS
 from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.samples.filters import low_passed
 from shoecal_core.samples.samples import Track
@@ -47,12 +48,29 @@ def unloaded(signal_model: SignalModel, channel: int) -> float:
     return float(np.median(signal_model.outputs[hanging, channel])) + below
 
 
+KNOTS = 8
+"""Of laws that no formula gives: a smooth curve of two bends is followed within a tenth."""
+
+
+def knots(values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """(k,) knots over the range of values (T,), its ends left out; (T, k) hats that are 1 there.
+
+    Any curve is nearly a sum of hats (linear splines: de Boor, A Practical Guide to Splines, ch.
+    III), but for a straight line, which gain and offset are.
+    """
+    low, high = np.percentile(values, (1.0, 99.0))
+    at = np.linspace(low, high, KNOTS)
+    hats = np.stack([np.interp(values, at, one) for one in np.eye(KNOTS)[1:-1]], axis=1)
+    return at[1:-1], hats
+
+
 class Nonlinearity:
-    """A cell's output bends: f + quadratic f^2 + cubic f^3."""
+    """A cell's output bends: f + quadratic f^2 + cubic f^3, or along any curve."""
 
     identifier, group = "nonlinearity", "load_cell"
     components = (
-        Component("quadratic", "1/N", 2e-3, form=2.5), Component("cubic", "1/N^2", 5e-5, form=2.5)
+        Component("quadratic", "1/N", 2e-3, form=2.5), Component("cubic", "1/N^2", 5e-5, form=2.5),
+        Component("bend", "N", 2.0),
     )  # fmt: skip
 
     def places(self, signal_model: SignalModel) -> Iterator[Place]:
@@ -60,11 +78,22 @@ class Nonlinearity:
         return places.each_cell(signal_model)
 
     def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
-        """Both powers together."""
+        """Both powers together; or by how much more it shows at some loads than on a straight line
+        from the lowest to the highest.
+        """
         channels = places.channels_at(signal_model, place)
         force = signal_model.outputs[:, channels] - unloaded(signal_model, int(channels[0]))
         columns = np.array([shown(signal_model, channels, force**power) for power in (2, 3)])
         yield Shape(("quadratic", "cubic"), columns)
+        loads, hats = knots(force[:, 0])
+        columns = np.array([shown(signal_model, channels, hat[:, None]) for hat in hats.T])
+        yield Shape(tuple(one_at("bend", f"{load:.1f} N") for load in loads), columns)
+
+
+SOFT = (0.0, 0.1, 0.2, 0.35, 0.5)
+"""Of the span from the top down, where a cell may bend over that saturates softly."""
+MOST_SHARE = 3.0
+"""By which it may bend there, either way: 1 turns a straight line flat."""
 
 
 class Saturation:
@@ -78,12 +107,15 @@ class Saturation:
         return places.each_cell(signal_model)
 
     def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
-        """Levels near the top of what it showed; the other channels give what is missing there."""
+        """Levels near the top of what it showed; the other channels give what is missing there. Or
+        softly, by a part of what is missing above each of some levels.
+        """
         (channel,) = places.channels_at(signal_model, place)
         force = signal_model.outputs[:, channel]
         by_others = expected(signal_model, int(channel), force <= np.median(force))
         top, zero = force.max(), unloaded(signal_model, int(channel))
         span = top - np.percentile(force, 5.0)
+        flat: list[float] = []
         for share in (0.0, 0.04, 0.1, 0.2, 0.35):
             level = float(top - share * span)
             missing = np.maximum(by_others - level, 0.0)
@@ -93,6 +125,16 @@ class Saturation:
             ):
                 columns = shown(signal_model, np.array([channel]), -missing[:, None])[None]
                 yield Shape(("share",), columns, {"level": level - zero})
+                flat.append(level)
+        if flat:
+            levels = top - span * np.array(SOFT)
+            missing = np.maximum(by_others[:, None] - levels, 0.0)
+            columns = np.array(
+                [shown(signal_model, np.array([channel]), -one[:, None]) for one in missing.T]
+            )
+            names = tuple(one_at("share", f"{level - zero:.1f} N") for level in levels)
+            within = dict.fromkeys(names, (-MOST_SHARE, MOST_SHARE))
+            yield Shape(names, columns, {"level": flat[-1] - zero}, within=within)
 
 
 class Hysteresis:
@@ -106,10 +148,17 @@ class Hysteresis:
         return places.cells_and_feet(signal_model)
 
     def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
-        """A play operator; its width as a share of each cell's usual range."""
+        """A play operator, its width a share of each cell's usual range; or all widths at once."""
         channels = places.channels_at(signal_model, place)
-        for loop in signal_model.loops:
-            yield Shape(("fraction",), shown(signal_model, channels, loop[:, channels])[None])
+        each = [shown(signal_model, channels, loop[:, channels]) for loop in signal_model.loops]
+        for columns in each:
+            yield Shape(("fraction",), columns[None])
+        names = tuple(one_at("fraction", f"{width:.0%}") for width in LOOP_WIDTHS)
+        yield Shape(names, np.array(each))
+
+
+CREEP_TIMES = (3.0, 8.0, 20.0, 60.0)
+"""Time constants of recovery [s]."""
 
 
 class Creep:
@@ -125,16 +174,20 @@ class Creep:
         return places.cells_and_feet(signal_model)
 
     def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
-        """One exponential; several time constants."""
+        """One exponential, of several time constants; or all of them at once."""
         channels = places.channels_at(signal_model, place)
-        for time in (3.0, 8.0, 20.0, 60.0):
+        each = []
+        for time in CREEP_TIMES:
 
             def work(track: Track, time: float = time) -> FloatArray:
                 force = signal_model.parameters.outputs(track.readings)[:, channels]
                 return low_passed(force, track.time, time)
 
-            columns = shown(signal_model, channels, signal_model.samples.decimated(work))[None]
-            yield Shape(("fraction",), columns, {"time": time})
+            columns = shown(signal_model, channels, signal_model.samples.decimated(work))
+            each.append(columns)
+            yield Shape(("fraction",), columns[None], {"time": time})
+        names = tuple(one_at("fraction", f"{time:g} s") for time in CREEP_TIMES)
+        yield Shape(names, np.array(each))
 
 
 class ZeroOffset:
@@ -159,18 +212,26 @@ class ZeroDrift:
     """Zeros wander with time, or with temperature."""
 
     identifier, group = "zero_drift", "load_cell"
-    components = (Component("rate", "N/s", 3e-3), Component("per_kelvin", "N/K", 0.1))
+    components = (
+        Component("rate", "N/s", 3e-3), Component("per_kelvin", "N/K", 0.1),
+        Component("zero", "N", 0.5),
+    )  # fmt: skip
 
     def places(self, signal_model: SignalModel) -> Iterator[Place]:
         """Every cell, each foot's alike, all alike."""
         return places.cells_feet_and_all(signal_model)
 
     def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
-        """Over time or temperature; several channels all alike, or each at a rate of its own."""
+        """Over time or temperature; several channels all alike, or each at a rate of its own. Or
+        all alike along any course, by how far zeros are off at some times.
+        """
         channels = places.channels_at(signal_model, place)
         for name, course in courses(signal_model):
             values = np.repeat(course[:, None], len(channels), axis=1)
             yield from _alike_or_each(signal_model, channels, name, values)
+        times, hats = knots(signal_model.samples.clock)
+        columns = np.array([shown(signal_model, channels, hat[:, None]) for hat in hats.T])
+        yield Shape(tuple(one_at("zero", f"{time:.0f} s") for time in times), columns)
 
 
 class SpanDrift:

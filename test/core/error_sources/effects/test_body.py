@@ -188,6 +188,45 @@ def test_an_ankle_holds_the_floor_s_force_against_the_foot(signal_model: SignalM
     assert about_y != 0.0
 
 
+def test_torques_settle_until_feet_are_bent_no_further(signal_model: SignalModel) -> None:
+    """Joints that give alike, at settled torques, move soles along the floor in no direction."""
+    both = signal_model.samples.both
+    along_floor = signal_model.jacobians.closure[both][:, (0, 1, 5)]
+    before, settled = (
+        np.einsum("tkm,tm->tk", along_floor, torque[both])
+        for torque in (signal_model.links.torque, signal_model.settled_torque)
+    )
+    assert np.abs(settled).max() < 0.02 * np.abs(before).max()
+    in_air = ~both
+    np.testing.assert_array_equal(
+        signal_model.settled_torque[in_air], signal_model.links.torque[in_air]
+    )
+
+
+def test_settled_torques_bear_the_same_weight(signal_model: SignalModel) -> None:
+    """What they have more comes of pushes along the floor and twists that leave the root alone."""
+    samples = signal_model.samples
+    robot = samples.robot
+    more = signal_model.settled_torque - signal_model.links.torque
+    data = robot.model.createData()
+    for at in np.flatnonzero(samples.both)[::40]:
+        q = np.concatenate(([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], samples.angles[at]))
+        pin.computeJointJacobians(robot.model, data, q)
+        upright = data.oMi[robot.feet[0].joint] * robot.feet[0].placement
+        rows = []
+        for foot in robot.feet:
+            jacobian = pin.getJointJacobian(robot.model, data, foot.joint, pin.ReferenceFrame.LOCAL)
+            sole = data.oMi[foot.joint] * foot.placement
+            own = foot.placement.inverse().toActionMatrix() @ jacobian
+            turned = upright.rotation.T @ sole.rotation
+            rows += [*(turned @ own[:3])[:2], (turned @ own[3:])[2]]
+        forces = np.array(rows).T  # (6 + m, 6): pushes x, y and twists of both feet
+        wanted = np.concatenate((np.zeros(6), -more[at]))
+        found = np.linalg.lstsq(forces, wanted, rcond=None)[0]
+        np.testing.assert_allclose(forces @ found, wanted, atol=0.02)
+        assert np.abs(more[at]).max() > 0.05
+
+
 @pytest.mark.parametrize("place", [*JOINTS[1:], "all"])
 def test_joint_compliance(signal_model: SignalModel, place: str) -> None:
     """Under a motor's torque the link stays behind: the encoder, which is before, shows more."""

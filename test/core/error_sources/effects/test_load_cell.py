@@ -42,6 +42,50 @@ def test_nonlinearity(signal_model: SignalModel, cell: str) -> None:
     assert_shows(signal_model, after, told(found, quadratic, cubic))
 
 
+def waves(values: FloatArray, ends: tuple[float, float], seed: int) -> FloatArray:
+    """A drawn smooth curve with up to two bends that is zero at both ends, and beyond."""
+    share = np.clip((values - ends[0]) / (ends[1] - ends[0]), 0.0, 1.0)
+    sizes = np.random.default_rng(seed).normal(0.0, 0.05, 2)
+    return np.asarray(sum(a * np.sin((k + 1) * np.pi * share) for k, a in enumerate(sizes)))
+
+
+@pytest.mark.parametrize(("cell", "seed"), [(CELLS[0], 1), (CELLS[1], 2), (CELLS[1], 3)])
+def test_a_cell_may_bend_along_any_curve(signal_model: SignalModel, cell: str, seed: int) -> None:
+    channel = int(channels_at(signal_model, (cell,))[0])
+    zero = load_cell.unloaded(signal_model, channel)
+    low, high = np.percentile(signal_model.outputs[:, channel], (1.0, 99.0))
+    after = at(signal_model, cell, lambda _, f: f + waves(f, (low, high), seed))
+    found = shape(signal_model, load_cell.Nonlinearity(), cell, form=1)
+    loads = [float(name.split()[2]) for name in found.free]
+    assert np.ptp(loads) == pytest.approx((high - low) * 5.0 / 7.0, abs=0.1)
+    sizes = waves(np.array(loads) + zero, (low, high), seed)
+    assert_shows(signal_model, after, told(found, *sizes), within=0.15)
+
+
+@pytest.mark.parametrize("place", [CELLS[0], "left", "all"])
+def test_zeros_may_drift_along_any_course(signal_model: SignalModel, place: str) -> None:
+    low, high = np.percentile(signal_model.samples.clock, (1.0, 99.0))
+
+    def drifted(track: Track, force: FloatArray) -> FloatArray:
+        return force + waves(np.asarray(track.start + track.time), (low, high), 4)[:, None]
+
+    found = list(load_cell.ZeroDrift().shapes(signal_model, (place,)))[-1]
+    times = np.linspace(low, high, load_cell.KNOTS)[1:-1]
+    assert found.free == tuple(f"zero at {time:.0f} s" for time in times)
+    after = at(signal_model, place, drifted)
+    assert_shows(signal_model, after, told(found, *waves(times, (low, high), 4)), within=0.15)
+
+
+@pytest.mark.parametrize("effect", [load_cell.Hysteresis(), load_cell.Creep()])
+def test_a_cell_may_remember_in_all_its_ways_at_once(
+    signal_model: SignalModel, effect: load_cell.Hysteresis | load_cell.Creep
+) -> None:
+    *single, together = effect.shapes(signal_model, ("right",))
+    assert len(set(together.free)) == len(single) == len(together.columns)
+    for one, column in zip(single, together.columns, strict=True):
+        np.testing.assert_array_equal(one.columns[0], column)
+
+
 @pytest.mark.parametrize("cell", CELLS)
 def test_a_saturated_cell_misses_what_the_others_tell(signal_model: SignalModel, cell: str) -> None:
     (channel,) = channels_at(signal_model, (cell,))
@@ -54,6 +98,26 @@ def test_a_saturated_cell_misses_what_the_others_tell(signal_model: SignalModel,
     assert best.fixed["level"] + zero == pytest.approx(level, abs=0.02 * np.ptp(force))
     assert best.free == ("share",)
     assert_shows(signal_model, after, told(best, 1.0), within=0.15)
+
+
+@pytest.mark.parametrize("cell", CELLS)
+def test_a_cell_may_saturate_softly(signal_model: SignalModel, cell: str) -> None:
+    """What bends over a range that begins half way is a sum of what is missing above some loads."""
+    force = signal_model.outputs[:, channels_at(signal_model, (cell,))[0]]
+    low, top = np.percentile(force, 5.0), force.max()
+    knee, width = top - 0.5 * (top - low), 0.5 * (top - low)
+
+    def bent(_: Track, force: FloatArray) -> FloatArray:
+        over = np.clip((force - knee) / width, 0.0, 1.0)
+        return np.asarray(np.minimum(force, knee) + width * (over - 0.5 * over**2))
+
+    after = at(signal_model, cell, bent)
+    found = list(load_cell.Saturation().shapes(after, (cell,)))[-1]
+    assert len(found.free) == len(load_cell.SOFT)
+    change = (after.residuals - signal_model.residuals).ravel()
+    columns = found.columns.reshape(len(found.free), -1).T
+    left = change - columns @ np.linalg.lstsq(columns, change, rcond=None)[0]
+    assert np.linalg.norm(left) < 0.25 * np.linalg.norm(change)
 
 
 def test_saturation_is_seen_whatever_gains_were_fitted(signal_model: SignalModel) -> None:
@@ -179,7 +243,7 @@ def test_drifts_with_temperature(signal_model: SignalModel) -> None:
     assert_shows(warm, after, told(shape(warm, zero, "left", form=4), 0.1))
     after = at(warm, "left", lambda track, f: f * (1.0 + 0.003 * warmer(track)))
     assert_shows(warm, after, told(shape(warm, span, "left", form=4), 0.003))
-    assert len(list(zero.shapes(signal_model, ("left",)))) == 4
+    assert len(list(zero.shapes(signal_model, ("left",)))) == 5
 
 
 @pytest.mark.parametrize("place", ["right", "all"])
