@@ -10,7 +10,9 @@ import fcntl
 import json
 import os
 import platform
+import subprocess
 from collections.abc import Mapping, Sequence
+from importlib import metadata
 from pathlib import Path
 
 import numpy as np
@@ -38,12 +40,27 @@ def record(key: str, value: object, path: Path = FIGURES) -> None:
 
 
 def write_section(name: str, body: str, page: Path, head: str = "") -> None:
-    """Write a section in its place, or behind the others; a new page begins with `head`."""
+    """Write a section in its place, or behind the others; a new page begins with `head`.
+
+    Evidence says which version it is of: code goes on, and tables stay until they are renewed.
+    """
     text = page.read_text() if page.is_file() else head
     begin, end = f"<!-- {name} -->", f"<!-- /{name} -->"
     before, found, rest = text.partition(begin)
     after = rest.partition(end)[2] if found else "\n"
-    atomic_write(page, f"{before.rstrip()}\n\n{begin}\n{body.strip()}\n{end}{after}")
+    stamp = f"\n\n{version()}" if page.resolve().is_relative_to(EVIDENCE) else ""
+    atomic_write(page, f"{before.rstrip()}\n\n{begin}\n{body.strip()}{stamp}\n{end}{after}")
+
+
+def version() -> str:
+    """Version and commit of the code that measures, in a line."""
+    known = f"Version {metadata.version('shoecal_core')}"
+    asked = ("git", "log", "-1", "--format=%h of %cs")
+    try:
+        done = subprocess.run(asked, cwd=ROOT, capture_output=True, text=True, check=True)
+    except (OSError, subprocess.CalledProcessError):  # a copy without its history
+        return f"{known}."
+    return f"{known}, commit {done.stdout.strip()}."
 
 
 def markdown(rows: Sequence[Row]) -> str:
