@@ -171,7 +171,8 @@ def test_runs_left_out_count_for_further_causes_too(urn: Urn) -> None:
     )
     first = drawn.scorer.score([part(drawn, "floor_tilt")])
     ranked = over_all_runs(drawn, first)
-    assert ranked[0].part[0].label == "latency (left)"
+    # Twins at this place, as far as this draw can say.
+    assert ranked[0].part[0].label in {"latency (left)", "low_pass (left)"}
     both = drawn.predicted(ranked[0].scored, bounded=False)
     assert ranked[0].predicted == both - drawn.predicted(first, bounded=False)
     assert ranked[0].predicted > 0.0
