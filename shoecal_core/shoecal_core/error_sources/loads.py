@@ -137,24 +137,34 @@ class Loads:
             torque[:, own] = samples.efforts[:, own]
         return torque
 
-    @cached_property
-    def settled_torque(self) -> FloatArray:
+    @property
+    def relaxed_torque(self) -> FloatArray:
         """(T, m) that the joints hold with where all give alike and both feet stick [N m].
 
         Two feet on the floor can push against each other along the floor and twist, which no
         vertical force shows. Joints that give let go until their elastic energy is least
-        (Castigliano's theorem): until they bend the feet in no way that the floor forbids. Friction
-        of motors, which reported efforts contain, does not count.
+        (Castigliano's theorem). Friction of motors, which reported efforts contain, does not count.
         """
-        samples, links = self.samples, self.links
-        legs = samples.robot.moved
-        pushes = self._pushes[..., legs]
+        return self.relaxed(self.links.torque)
+
+    def relaxed(self, given: FloatArray) -> FloatArray:
+        """(T, m) what joints (T, m) give by, once others have given way: where both feet stick,
+        joints bend them in no way that the floor forbids.
+        """
+        legs = self.samples.robot.moved
+        pushes, least = self._let_go
+        found = given.copy()
+        along = np.einsum("tkm,tm->tk", pushes, given[:, legs])
+        found[:, legs] -= np.einsum("tkm,tk->tm", least, along)
+        return np.where(self.samples.both[:, None], found, given)
+
+    @cached_property
+    def _let_go(self) -> tuple[FloatArray, FloatArray]:
+        """(T, 3, legs) of `_pushes`, and its pseudoinverse, (T, 3, legs) as well."""
+        pushes = self._pushes[..., self.samples.robot.moved]
         across = np.einsum("tkm,tlm->tkl", pushes, pushes)
-        along = np.einsum("tkm,tm->tk", pushes, links.torque[:, legs])
-        pushed = -np.einsum("tkl,tl->tk", np.linalg.pinv(across, hermitian=True), along)
-        settled = links.torque.copy()
-        settled[:, legs] += np.einsum("tk,tkm->tm", pushed, pushes)
-        return np.where(samples.both[:, None], settled, links.torque)
+        inverse = np.linalg.pinv(across, hermitian=True)
+        return pushes, np.einsum("tkl,tlm->tkm", inverse, pushes)
 
     @property
     def _pushes(self) -> FloatArray:

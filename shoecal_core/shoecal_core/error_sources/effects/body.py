@@ -35,7 +35,7 @@ class Inertia:
 
 
 TORQUES = 2
-"""Ways in which the torque of a joint is known: as reported, and as far as joints settle."""
+"""Ways in which a joint's torque is known: as reported, and as far as joints relax."""
 LEAST_MASS = 0.01
 """Links lighter than this share of the robot are not looked at."""
 FRICTION = (0.05, 0.2)
@@ -176,10 +176,21 @@ class _Give:
         self, signal_model: SignalModel, place: Place, name: str, given: FloatArray
     ) -> Shape:
         """Encoders at a place show `given` (T, m) more than the links' angles, a unit."""
+        change = self._at(signal_model, place, given)
+        return Shape((name,), signal_model.by_angles(change)[None])
+
+    def _relaxed_shape(
+        self, signal_model: SignalModel, place: Place, name: str, given: FloatArray
+    ) -> Shape:
+        """The same once other joints have given way, so that soles stay where they stick."""
+        change = signal_model.relaxed(self._at(signal_model, place, given))
+        return Shape((name,), signal_model.by_angles(change)[None])
+
+    def _at(self, signal_model: SignalModel, place: Place, given: FloatArray) -> FloatArray:
         change = np.zeros_like(signal_model.samples.angles)
         joints = places.joints_at(signal_model, place)
         change[:, joints] = given[:, joints]
-        return Shape((name,), signal_model.by_angles(change)[None])
+        return change
 
 
 class JointCompliance(_Give):
@@ -193,9 +204,11 @@ class JointCompliance(_Give):
     )
 
     def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
-        """In proportion to the torque that it holds: as reported, or as far as joints settle."""
+        """In proportion to the torque that it holds: as reported, and alone; or as far as torques
+        relax, and other joints with them.
+        """
         yield self._shape(signal_model, place, "compliance", signal_model.torque)
-        yield self._shape(signal_model, place, "compliance", signal_model.settled_torque)
+        yield self._relaxed_shape(signal_model, place, "compliance", signal_model.relaxed_torque)
 
 
 class Backlash(_Give):
@@ -206,7 +219,7 @@ class Backlash(_Give):
 
     def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
         """By the side to which the torque pushes, at once or over a while; by the one to which it
-        last overcame friction; by the one to which friction drags.
+        last overcame friction; by the one to which friction drags; or by the first, relaxed.
         """
         torque = signal_model.torque
         for friction in FRICTION:
@@ -215,6 +228,10 @@ class Backlash(_Give):
         for friction in HELD_BY:
             yield self._shape(signal_model, place, "play", 0.5 * relay(torque, scale * friction))
         yield self._shape(signal_model, place, "play", signal_model.samples.dragged)
+        relaxed = signal_model.relaxed_torque
+        for friction in FRICTION:
+            side = 0.5 * np.tanh(relaxed / friction)
+            yield self._relaxed_shape(signal_model, place, "play", side)
 
 
 class JointFriction(_Give):

@@ -188,26 +188,26 @@ def test_an_ankle_holds_the_floor_s_force_against_the_foot(signal_model: SignalM
     assert about_y != 0.0
 
 
-def test_torques_settle_until_feet_are_bent_no_further(signal_model: SignalModel) -> None:
-    """Joints that give alike, at settled torques, move soles along the floor in no direction."""
+def test_torques_relax_until_feet_are_bent_no_further(signal_model: SignalModel) -> None:
+    """Joints that give alike, at relaxed torques, move soles along the floor in no direction."""
     both = signal_model.samples.both
     along_floor = signal_model.jacobians.closure[both][:, (0, 1, 5)]
     before, settled = (
         np.einsum("tkm,tm->tk", along_floor, torque[both])
-        for torque in (signal_model.links.torque, signal_model.settled_torque)
+        for torque in (signal_model.links.torque, signal_model.relaxed_torque)
     )
     assert np.abs(settled).max() < 0.02 * np.abs(before).max()
     in_air = ~both
     np.testing.assert_array_equal(
-        signal_model.settled_torque[in_air], signal_model.links.torque[in_air]
+        signal_model.relaxed_torque[in_air], signal_model.links.torque[in_air]
     )
 
 
-def test_settled_torques_bear_the_same_weight(signal_model: SignalModel) -> None:
+def test_relaxed_torques_bear_the_same_weight(signal_model: SignalModel) -> None:
     """What they have more comes of pushes along the floor and twists that leave the root alone."""
     samples = signal_model.samples
     robot = samples.robot
-    more = signal_model.settled_torque - signal_model.links.torque
+    more = signal_model.relaxed_torque - signal_model.links.torque
     data = robot.model.createData()
     for at in np.flatnonzero(samples.both)[::40]:
         q = np.concatenate(([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], samples.angles[at]))
@@ -287,7 +287,7 @@ def test_friction_keeps_a_link_behind_by_the_way_that_it_came(
     found = shape(signal_model, JointFriction(), place)
     assert_shows(signal_model, with_angles(signal_model, change), told(found, lag), within=0.25)
     # A robot's friction is what play looks like that is dragged.
-    *_, dragged = Backlash().shapes(signal_model, (place,))
+    *_, dragged, _, _ = Backlash().shapes(signal_model, (place,))
     np.testing.assert_array_equal(dragged.columns, found.columns)
 
 
