@@ -9,9 +9,9 @@ from rich.table import Table
 
 from shoecal_core.arrays import FloatArray
 from shoecal_core.cli.tables import new_table
-from shoecal_core.cli.weak_lines import weak_lines
 from shoecal_core.estimation.assessment import Assessment
 from shoecal_core.estimation.budget import Budget
+from shoecal_core.report.weak_table import weak_lines
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.result import Screening
 from shoecal_core.shoe.shoe import FEET

@@ -29,6 +29,7 @@ from shoecal_core.estimation.initial_guess import InitialGuess
 from shoecal_core.estimation.joint_fit import JointFit
 from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.recording.session import Session
+from shoecal_core.report.next_step import after_calibration
 from shoecal_core.report.quantities import channel_units, uncertain
 from shoecal_core.screening.settings import JOINT, PAPER, CalibrationSettings
 from shoecal_core.workflows.calibrate import calibrate_session
@@ -101,6 +102,9 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     figures = to_json(outcome)
     require_usable(calibration, figures, console)
     console.print(f"{args.out}")
+    console.print(
+        after_calibration(calibration.verdict, str(args.out)), markup=False, soft_wrap=True
+    )
     return figures
 
 

@@ -50,8 +50,10 @@ def test_how_far_it_can_be_trusted(
     assert (
         f"left out before the fit: {lost} of {sum(found['screening']['samples'].values())}" in out
     )
-    # The verdict's reasons come last, each in a line of its own, and say their level once.
-    last = out.splitlines()[-1 - len(found["reasons"]) : -1]
+    # Last come the verdict's reasons, each in a line of its own with its level once, the file, and
+    # what to do with it.
+    assert f"/shoe/set_calibration with {again}" in out.splitlines()[-1]
+    last = out.splitlines()[-2 - len(found["reasons"]) : -2]
     assert last == [
         reason if ": " in reason[:6] else f"{found['verdict']}: {reason}"
         for reason in found["reasons"]
