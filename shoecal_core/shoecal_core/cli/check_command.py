@@ -17,13 +17,14 @@ from shoecal_core.cli.arguments import (
     require_folder,
     settings_of,
 )
-from shoecal_core.cli.assessment_table import expected_table, screening_table
-from shoecal_core.cli.tables import TEXT, new_table, print_table, verdict_line
+from shoecal_core.cli.assessment_table import screening_table
+from shoecal_core.cli.tables import TEXT, new_table, of_page, print_table, verdict_line
 from shoecal_core.cli.zeros_table import weight_json, weight_line, zeros_table
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import PartialError
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import RunEntry, Session
+from shoecal_core.report.assessment_tables import expected_table
 from shoecal_core.report.next_step import after_check
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.workflows.check import check_session
@@ -58,7 +59,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     if checked.zeros:
         print_table(console, zeros_table(checked.zeros))
     if outcome is not None:
-        print_table(console, expected_table(outcome.assessment))
+        print_table(console, of_page(expected_table(outcome.assessment)))
     if screening.left_out:
         print_table(console, screening_table(screening))
     for verdict, lines in (("FAIL", checked.problems), ("WARN", checked.warnings)):

@@ -21,13 +21,8 @@ from shoecal_core.cli.arguments import (
 )
 from shoecal_core.cli.manual_guide import guide_person
 from shoecal_core.cli.manual_guide_streams import FrameStream, driver_stream, file_stream
-from shoecal_core.cli.manual_tables import (
-    cells_table,
-    cells_to_json,
-    manual_table,
-    manual_to_json,
-)
-from shoecal_core.cli.tables import print_table
+from shoecal_core.cli.manual_tables import cells_to_json, manual_to_json
+from shoecal_core.cli.tables import of_page, print_table
 from shoecal_core.cli.usable import require_usable
 from shoecal_core.errors import FileMissingError, ShoecalError
 from shoecal_core.estimation.calibration import Calibration, load_calibration, save_calibration
@@ -46,7 +41,7 @@ from shoecal_core.manual.loads import CELLS, SHOE, Load, planned_loads
 from shoecal_core.manual.measurements import Measurements
 from shoecal_core.manual.measurements_file import load_measurements, save_measurements
 from shoecal_core.manual.settings import ManualSettings, load_manual_settings
-from shoecal_core.report.manual_report import ManualReport, manual_report
+from shoecal_core.report.manual_report import ManualReport, cells_table, loads_table, manual_report
 from shoecal_core.report.next_step import after_calibration, after_cells
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot
@@ -250,7 +245,8 @@ def _simulate(args: argparse.Namespace, bench: _Bench, console: Console) -> Mapp
 
 def _solve_cells(bench: _Bench, cells: Measurements, console: Console) -> CellsCalibration:
     result = calibrate_cells(bench.shoe, bench.robot, cells)
-    print_table(console, cells_table(result, bench.shoe.unit))
+    content = ManualReport(bench.robot, bench.shoe, result.calibration, result.cells)
+    print_table(console, of_page(cells_table(content)))
     return result
 
 
@@ -262,7 +258,8 @@ def _solve_shoe(
     console: Console,
 ) -> ManualCalibration:
     result = calibrate_shoe(bench.shoe, bench.robot, first, loads, fits=fits, planned=bench.planned)
-    print_table(console, manual_table(result))
+    content = ManualReport(bench.robot, bench.shoe, result.calibration, result.cells, result.feet)
+    print_table(console, of_page(loads_table(content)))
     return result
 
 

@@ -125,12 +125,12 @@ def helps_table(assessed: Assessment) -> Table | None:
         ("if known exactly", "both feet", *(f"{side} foot" for side in FEET), "how"),
         rows,
         "Expected CoP error before → after, as in the table of expected errors."
-        + _another(assessed),
+        + f" {another_text(assessed)}".rstrip(),
     )
 
 
-def _another(assessed: Assessment) -> str:
-    """What recording a run once more would win."""
+def another_text(assessed: Assessment) -> str:
+    """What recording a run once more would win; empty where that is not known."""
     if assessed.another is None:
         return ""
     both, feet = assessed.expected_cop()
@@ -138,8 +138,8 @@ def _another(assessed: Assessment) -> str:
     falls = [("both feet", both, then)]
     falls += [(f"{name} foot", size, feet_then[name]) for name, size in feet.items()]
     won = [f"{name} {fall}" for name, *sizes in falls if (fall := _falls(*sizes)) != UNKNOWN]
-    run = f" Run {assessed.another.run} recorded once more"
-    return f"{run}: {', '.join(won)}." if won else f"{run} would win nothing."
+    run = f"Run {assessed.another.run} recorded once more"
+    return f"{run}, expected CoP error: {', '.join(won)}." if won else f"{run} would win nothing."
 
 
 def _falls(now: float, then: float) -> str:

@@ -83,7 +83,9 @@ def verdict_of(calibration: Calibration, following: str | None = None) -> PageVe
         calibration: found.
         following: what to do next; None: put it in force.
     """
-    line = after_calibration(calibration.verdict) if following is None else following
+    line = following
+    if line is None:
+        line = after_calibration(calibration.verdict, by_robot=calibration.source == "self")
     return PageVerdict(
         calibration.verdict,
         MEANING[calibration.verdict],

@@ -158,10 +158,10 @@ def loads_table(content: ManualReport) -> Table:
     )
     return Table(
         "Errors under known weights",
-        ("", "loads", "GRF", "CoP before", "CoP after", "CoP, each load from the others"),
+        ("", "loads", "GRF", "CoP before", "CoP after", "CoP held out"),
         rows,
-        "MAE ± standard deviation. The last column is what to expect of loads that were not read: "
-        "there the correction knows all loads but the one that it predicts.",
+        "MAE ± standard deviation. Held out: each load predicted by a correction that knows all "
+        "others; expect that of loads that were not read.",
     )
 
 

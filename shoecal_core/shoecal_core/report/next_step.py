@@ -6,19 +6,24 @@ FILE = "FILE"
 """Stands for a file whose name a page does not know."""
 
 
-def after_calibration(verdict: str, file: str = FILE) -> str:
-    """How a calibration comes into force; empty where it must not be used."""
-    force = (
-        "Next: a robot that calibrated itself uses it already; elsewhere call the service "
-        f"/shoe/set_calibration with {file}."
-    )
-    if verdict == "WARN":
-        force = (
-            "Next, when the reasons are read: on a robot that calibrated itself call the service "
-            f"/shoe/apply; elsewhere /shoe/set_calibration with {file} and force."
-        )
+def after_calibration(verdict: str, file: str = FILE, *, by_robot: bool = False) -> str:
+    """How a calibration comes into force; empty where it must not be used.
+
+    Args:
+        verdict: of it.
+        file: that holds it.
+        by_robot: a robot may have made it by itself.
+    """
+    if verdict == "FAIL":
+        return ""
+    warned = verdict == "WARN"
+    when = "Next, when the reasons are read" if warned else "Next"
+    call = f"call the service /shoe/set_calibration with {file}{' and force' * warned}"
+    if by_robot:
+        has = "call the service /shoe/apply" if warned else "nothing to do"
+        call = f"on a robot that calibrated itself {has}; elsewhere {call}"
     recorded = f"GRF and CoP of a recording: shoecal apply SESSION --calibration {file}"
-    return "" if verdict == "FAIL" else f"{force} {recorded}"
+    return f"{when}: {call}. {recorded}"
 
 
 def after_cells(verdict: str, file: str = FILE) -> str:
