@@ -20,7 +20,7 @@ def after_calibration(verdict: str, file: str = FILE, *, by_robot: bool = False)
     when = "Next, when the reasons are read" if warned else "Next"
     call = f"call the service /shoe/set_calibration with {file}{' and force' * warned}"
     if by_robot:
-        has = "call the service /shoe/apply" if warned else "nothing to do"
+        has = "call the service /shoe/apply" if warned else "it is in force already"
         call = f"on a robot that calibrated itself {has}; elsewhere {call}"
     recorded = f"GRF and CoP of a recording: shoecal apply SESSION --calibration {file}"
     return f"{when}: {call}. {recorded}"
