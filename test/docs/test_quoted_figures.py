@@ -56,6 +56,17 @@ def test_readme_quotes_the_real_recordings() -> None:
     assert f"GRF error in a held-out walk {before:.0f} → {after:.0f} N" in README
 
 
+def test_readme_counts_the_descriptions_that_go_the_whole_way() -> None:
+    table = (EVIDENCE / "robots.md").read_text().split("<!-- published -->")[1]
+    rows = [cells(line) for line in table.split("<!-- /published -->")[0].splitlines()]
+    shown = [
+        f"{sum(one[5] == 'yes' for one in of)} of {len(of)} {kind}"
+        for kind in ("URDF", "MJCF")
+        if (of := [one for one in rows if len(one) > 5 and one[1] == kind])
+    ]
+    assert f"[{' and '.join(shown)} descriptions](docs/evidence/robots.md" in README
+
+
 def quoted() -> Iterator[tuple[str, Path]]:
     """Each accuracy of the page on motions, with the page of its table."""
     target = EVIDENCE

@@ -19,8 +19,8 @@ from shoecal_core.cli.arguments import (
     require_folder,
     settings_of,
 )
-from shoecal_core.cli.assessment_table import expected_table, screening_table, trust_lines
-from shoecal_core.cli.tables import errors_table, new_table, print_table, stages_rows
+from shoecal_core.cli.assessment_table import screening_table, trust_lines
+from shoecal_core.cli.tables import errors_table, new_table, of_page, print_table, stages_rows
 from shoecal_core.cli.usable import require_usable
 from shoecal_core.cli.zeros_table import weight_json, weight_line, zeros_table
 from shoecal_core.error_sources.tolerances import Tolerances
@@ -29,6 +29,8 @@ from shoecal_core.estimation.initial_guess import InitialGuess
 from shoecal_core.estimation.joint_fit import JointFit
 from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.recording.session import Session
+from shoecal_core.report.assessment_tables import expected_table
+from shoecal_core.report.next_step import after_calibration
 from shoecal_core.report.quantities import channel_units, uncertain
 from shoecal_core.screening.settings import JOINT, PAPER, CalibrationSettings
 from shoecal_core.workflows.calibrate import calibrate_session
@@ -101,6 +103,9 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     figures = to_json(outcome)
     require_usable(calibration, figures, console)
     console.print(f"{args.out}")
+    console.print(
+        after_calibration(calibration.verdict, str(args.out)), markup=False, soft_wrap=True
+    )
     return figures
 
 
@@ -186,7 +191,7 @@ def _print_deviations(outcome: CalibrationOutcome, console: Console) -> None:
 
 def _print_trust(outcome: CalibrationOutcome, console: Console) -> None:
     console.print()
-    print_table(console, expected_table(outcome.assessment))
+    print_table(console, of_page(expected_table(outcome.assessment)))
     for line in trust_lines(outcome.assessment, outcome.screening):
         console.print(f"  {line}", markup=False)
     if outcome.screening.left_out and outcome.screening.findings:

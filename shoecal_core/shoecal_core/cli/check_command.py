@@ -17,13 +17,15 @@ from shoecal_core.cli.arguments import (
     require_folder,
     settings_of,
 )
-from shoecal_core.cli.assessment_table import expected_table, screening_table
-from shoecal_core.cli.tables import TEXT, new_table, print_table, verdict_line
+from shoecal_core.cli.assessment_table import screening_table
+from shoecal_core.cli.tables import TEXT, new_table, of_page, print_table, verdict_line
 from shoecal_core.cli.zeros_table import weight_json, weight_line, zeros_table
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import PartialError
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import RunEntry, Session
+from shoecal_core.report.assessment_tables import expected_table
+from shoecal_core.report.next_step import after_check
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.workflows.check import check_session
 
@@ -57,7 +59,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     if checked.zeros:
         print_table(console, zeros_table(checked.zeros))
     if outcome is not None:
-        print_table(console, expected_table(outcome.assessment))
+        print_table(console, of_page(expected_table(outcome.assessment)))
     if screening.left_out:
         print_table(console, screening_table(screening))
     for verdict, lines in (("FAIL", checked.problems), ("WARN", checked.warnings)):
@@ -67,9 +69,10 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         # Matplotlib takes a second to load, which most calls need not wait for.
         from shoecal_core.report.check_report import CheckReport, check_report  # noqa: PLC0415
 
+        assessed = None if outcome is None else outcome.assessment
         content = CheckReport(session, data.robot, tuple(entries), data.runs, data.aligned,
                               screening, checked.problems, checked.warnings, checked.zeros,
-                              data.weighed)  # fmt: skip
+                              data.weighed, assessed)  # fmt: skip
         check_report(args.report, content)
     figures = {
         "robot": session.robot,
@@ -87,7 +90,9 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
             f"{len(checked.problems)} problem(s) in {session.folder}, listed above", figures
         )
     summary = "fit for use, with the warnings above" if checked.warnings else "fit for use"
-    console.print(verdict_line("WARN" if checked.warnings else "PASS", summary))
+    verdict = "WARN" if checked.warnings else "PASS"
+    console.print(verdict_line(verdict, summary))
+    console.print(after_check(verdict, str(session.folder)), markup=False, soft_wrap=True)
     return figures
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 
 from rich.console import Console
@@ -10,9 +11,12 @@ from rich.table import Table
 from shoecal_core.cli.tables import TEXT, new_table, print_table
 from shoecal_core.diagnosis.budget import LEAST_SHARE
 from shoecal_core.diagnosis.result import VERDICT_TEXTS, Diagnosis, Size
-from shoecal_core.report.diagnosis_words import finding_text
+from shoecal_core.report.diagnosis_words import finding_text, where_text
+from shoecal_core.report.quantities import percent
 from shoecal_core.workflows.diagnose import CalibratedGap, Diagnosed
 
+_PLACES = re.compile(r"(\(\d+ of \d+ places)(?:: [^()]*)(?=\))")
+"""Counts of places, and which these are: the report and the JSON list them."""
 SHOWN = 3
 """Places of the gap that are named."""
 SMALL: Mapping[str, tuple[float, str]] = {
@@ -41,12 +45,13 @@ def print_diagnosis(
         console.print()
         print_table(console, causes_table(diagnosis))
     if len(diagnosis.ambiguity) > 1:
-        alike = "; ".join(f"{one.label} {one.probability:.0%}" for one in diagnosis.ambiguity)
+        alike = "; ".join(f"{one.label} {percent(one.probability)}" for one in diagnosis.ambiguity)
         console.print(f"not separable: {alike}", markup=False, soft_wrap=True)
     if made_of := [one for one in diagnosis.budget if abs(one.cop_share) >= LEAST_SHARE]:
-        shares = ", ".join(f"{one.label} {one.cop_share:.0%}" for one in made_of)
+        shares = ", ".join(f"{one.label} {percent(one.cop_share)}" for one in made_of)
         console.print(f"the CoP's gap is made of: {shares}", markup=False, soft_wrap=True)
-    lines = [("could not be seen here", ", ".join(diagnosis.cannot_detect))]
+    unseen = [_PLACES.sub(r"\1", one) for one in diagnosis.cannot_detect]
+    lines = [(f"could not be seen here ({len(unseen)})", "; ".join(unseen))]
     if diagnosis.next_motion is not None:
         motion = diagnosis.next_motion
         lines.append(("next motion", f"{motion.motion}, separates {', '.join(motion.separates)}"))
@@ -69,7 +74,7 @@ def causes_table(diagnosis: Diagnosis) -> Table:
         where = "" if cause.run is None else f", run {cause.run}"
         table.add_row(
             f"{cause.label}{where}",
-            f"{cause.probability:.0%}",
+            percent(cause.probability),
             "\n".join(f"{name} {size_text(size)}" for name, size in cause.size.items()),
             f"{cause.shrink.fraction:.0%} ({low:.0%} to {high:.0%})",
             "-" if cause.simulated is None else f"{cause.simulated.fraction:.0%}",
@@ -121,8 +126,8 @@ def _gap(diagnosis: Diagnosis, calibrated: CalibratedGap | None) -> Iterator[str
     gap = diagnosis.gap
     runs = ", ".join(map(str, diagnosis.test)) or "none"
     yield (
-        f"gap on test runs ({runs}): CoP {gap.cop_mae_mm:.2f} mm (floor {gap.cop_floor_mm:.2f}), "
-        f"GRF {gap.grf_mae_n:.3f} N (floor {gap.grf_floor_n:.3f})"
+        f"gap on test runs ({runs}): CoP {gap.cop_mae_mm:.2f} mm (noise alone "
+        f"{gap.cop_floor_mm:.2f}), GRF {gap.grf_mae_n:.3f} N (noise alone {gap.grf_floor_n:.3f})"
     )
     if calibrated is not None:
         yield (
@@ -130,11 +135,4 @@ def _gap(diagnosis: Diagnosis, calibrated: CalibratedGap | None) -> Iterator[str
             f"GRF {calibrated.grf_mae_n:.3f} N"
         )
     for place in diagnosis.where[:SHOWN]:
-        at = [place.foot, place.cell, place.joint, place.phase]
-        named = [one for one in at if one]
-        if place.run is not None:
-            named.append(f"run {place.run}")
-        if place.onset_s is not None:
-            named.append(f"from {place.onset_s:.1f} s")
-        where = f" ({', '.join(named)})" if named else ""
-        yield f"{place.share:.0%} in {place.signal}{where}"
+        yield f"{percent(place.share)} in {where_text(place)}"

@@ -21,13 +21,8 @@ from shoecal_core.cli.arguments import (
 )
 from shoecal_core.cli.manual_guide import guide_person
 from shoecal_core.cli.manual_guide_streams import FrameStream, driver_stream, file_stream
-from shoecal_core.cli.manual_tables import (
-    cells_table,
-    cells_to_json,
-    manual_table,
-    manual_to_json,
-)
-from shoecal_core.cli.tables import print_table
+from shoecal_core.cli.manual_tables import cells_to_json, manual_to_json
+from shoecal_core.cli.tables import of_page, print_table
 from shoecal_core.cli.usable import require_usable
 from shoecal_core.errors import FileMissingError, ShoecalError
 from shoecal_core.estimation.calibration import Calibration, load_calibration, save_calibration
@@ -46,7 +41,8 @@ from shoecal_core.manual.loads import CELLS, SHOE, Load, planned_loads
 from shoecal_core.manual.measurements import Measurements
 from shoecal_core.manual.measurements_file import load_measurements, save_measurements
 from shoecal_core.manual.settings import ManualSettings, load_manual_settings
-from shoecal_core.report.manual_report import ManualReport, manual_report
+from shoecal_core.report.manual_report import ManualReport, cells_table, loads_table, manual_report
+from shoecal_core.report.next_step import after_calibration, after_cells
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.shoe.shoe import FEET, Shoe, load_shoe
@@ -161,7 +157,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         result = _solve_cells(bench, cells, console)
         _report(args.report, bench, result.calibration, result.cells, (), _read_from(args.data))
         figures = cells_to_json(result)
-        _write(result.calibration, figures, args.out, console)
+        _write(result.calibration, figures, args.out, console, after_cells)
         return figures
     first = _first_step(args)
     asked = shoe if args.foot is None else shoe.of_one_foot(FEET.index(args.foot))
@@ -172,7 +168,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     found = _solve_shoe(bench, of_shoe(first, loads.shoe), loads, (), console)
     _report(args.report, bench, found.calibration, (), found.feet, _read_from(args.data))
     figures = manual_to_json(found)
-    _write(found.calibration, figures, args.out, console)
+    _write(found.calibration, figures, args.out, console, after_calibration)
     return figures
 
 
@@ -242,13 +238,15 @@ def _simulate(args: argparse.Namespace, bench: _Bench, console: Console) -> Mapp
     found = _solve_shoe(bench, saved, loads, first.cells, console)
     _report(args.report, bench, found.calibration, found.cells, found.feet, (SIMULATED,))
     figures = {**manual_to_json(found), "seed": args.seed, "robot_seed": robot_seed}
-    _write(found.calibration, figures, folder / CALIBRATION_FILE, console)
+    calibration_file = folder / CALIBRATION_FILE
+    _write(found.calibration, figures, calibration_file, console, after_calibration)
     return figures
 
 
 def _solve_cells(bench: _Bench, cells: Measurements, console: Console) -> CellsCalibration:
     result = calibrate_cells(bench.shoe, bench.robot, cells)
-    print_table(console, cells_table(result, bench.shoe.unit))
+    content = ManualReport(bench.robot, bench.shoe, result.calibration, result.cells)
+    print_table(console, of_page(cells_table(content)))
     return result
 
 
@@ -260,7 +258,8 @@ def _solve_shoe(
     console: Console,
 ) -> ManualCalibration:
     result = calibrate_shoe(bench.shoe, bench.robot, first, loads, fits=fits, planned=bench.planned)
-    print_table(console, manual_table(result))
+    content = ManualReport(bench.robot, bench.shoe, result.calibration, result.cells, result.feet)
+    print_table(console, of_page(loads_table(content)))
     return result
 
 
@@ -288,12 +287,18 @@ def _report(
 
 
 def _write(
-    calibration: Calibration, figures: Mapping[str, object], out: Path, console: Console
+    calibration: Calibration,
+    figures: Mapping[str, object],
+    out: Path,
+    console: Console,
+    following: Callable[[str, str], str] | None = None,
 ) -> None:
-    """Save it; one with the verdict FAIL is not written."""
+    """Save it, and say what follows; one with the verdict FAIL is not written."""
     require_usable(calibration, figures, console)
     save_calibration(calibration, out)
     console.print(f"{out}")
+    if following is not None:
+        console.print(following(calibration.verdict, str(out)), markup=False, soft_wrap=True)
 
 
 def _shown_cell(shoe: Shoe, load: Load, readings: FloatArray) -> str:

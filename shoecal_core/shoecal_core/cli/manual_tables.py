@@ -1,54 +1,14 @@
-"""Results of a manual calibration, for a terminal and for machines."""
+"""Results of a manual calibration for machines."""
 
 from __future__ import annotations
 
-import numpy as np
-from rich.table import Table
-
-from shoecal_core.cli.tables import new_table
-from shoecal_core.estimation.assessment import NORMAL_95
 from shoecal_core.estimation.calibration import Calibration
-from shoecal_core.estimation.series import Mae
 from shoecal_core.manual.calibrate import (
     CellsCalibration,
     FootResult,
     ManualCalibration,
 )
-from shoecal_core.report.quantities import size, uncertain
 from shoecal_core.shoe.shoe import FEET
-
-
-def cells_table(result: CellsCalibration, unit: str) -> Table:
-    """One row a cell; ± is half of the 95 % interval, as in the report."""
-    table = new_table("Single cells (± half of the 95 % interval)")
-    for name in ("", "gain", "offset", "about its line"):
-        table.add_column(name, justify="right" if name else "left", no_wrap=True)
-    for fit in result.cells:
-        gain, offset = NORMAL_95 * np.sqrt(np.diag(fit.covariance))
-        table.add_row(
-            fit.name,
-            uncertain(fit.gain, gain, f"N/{unit}"),
-            uncertain(fit.offset, offset, "N"),
-            size(1e3 * fit.residual_std, "mN"),
-        )
-    return table
-
-
-def manual_table(result: ManualCalibration) -> Table:
-    """One row a shoe: MAE and its standard deviation."""
-    table = new_table("Under known weights")
-    for name in ("", "loads", "GRF (N)", "CoP before (mm)", "CoP after (mm)", "held out (mm)"):
-        table.add_column(name, justify="right" if name else "left", no_wrap=True)
-    for foot in result.feet:
-        cop = foot.cop
-        errors = (None, None, None) if cop is None else (cop.before, cop.after, cop.held_out)
-        table.add_row(
-            FEET[foot.loads.foot],
-            str(len(foot.loads.loads)),
-            _mae(foot.grf, 1.0, 3),
-            *("no CoP" if mae is None else _mae(mae, 1e3, 2) for mae in errors),
-        )
-    return table
 
 
 def cells_to_json(result: CellsCalibration) -> dict[str, object]:
@@ -93,7 +53,3 @@ def _foot(foot: FootResult) -> dict[str, object]:
             f"cop_{name}_std_mm": None if mae is None else 1e3 * mae.std,
         }
     return figures
-
-
-def _mae(mae: Mae, scale: float, digits: int) -> str:
-    return f"{mae.mean * scale:.{digits}f} ± {mae.std * scale:.{digits}f}"

@@ -14,7 +14,6 @@ from rich.console import Console
 from shoecal_core.cli.arguments import add_shoe, refuse_exchanged, shoe_file
 from shoecal_core.cli.planning_arguments import add_planning, chosen_supports, planner_settings
 from shoecal_core.cli.progress import shown_progress
-from shoecal_core.cli.weak_lines import weak_lines
 from shoecal_core.errors import FileTakenError, PartialError, ShoecalError
 from shoecal_core.files import atomic_write, make_folder, system_error
 from shoecal_core.planning.checking.check import check_motion
@@ -28,6 +27,7 @@ from shoecal_core.planning.supports.identifiability import (
 )
 from shoecal_core.report.plan_content import PlannedMotion
 from shoecal_core.report.plan_report import PAGE, Unplanned, picture_name, write_plan
+from shoecal_core.report.weak_table import weak_lines
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot

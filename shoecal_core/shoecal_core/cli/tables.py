@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from rich.box import SIMPLE_HEAD
 from rich.cells import cell_len
 from rich.console import Console, OverflowMethod
+from rich.markup import escape
 from rich.measure import Measurement
 from rich.padding import Padding
 from rich.table import Table
@@ -14,6 +15,8 @@ from rich.text import Text
 
 from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.estimation.series import Errors, Mae
+from shoecal_core.report.page import Table as PageTable
+from shoecal_core.report.quantities import UNKNOWN
 from shoecal_core.screening.verdict import split_reason
 from shoecal_core.shoe.shoe import FEET
 
@@ -23,6 +26,8 @@ TEXT: OverflowMethod = "fold"
 """Overflow of columns that hold texts, which may wrap."""
 TEXT_WIDTH = 24
 """Columns of a terminal that such a column takes at least, where its texts are longer."""
+EMPTY = ("-", UNKNOWN)
+"""Cells that say nothing: left out where a table is shown row by row."""
 UNBOUNDED = 10_000
 WRITTEN = {"grf": ("GRF", "N", 3), "cop": ("CoP", "mm", 2)}
 """Quantities, their units and decimals of a small difference, by their names in result files."""
@@ -44,6 +49,16 @@ def new_table(title: str) -> Table:
     return Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
 
 
+def of_page(page: PageTable) -> Table:
+    """A table of the reports, which a terminal shows with the same values, without its note."""
+    table = new_table(page.title)
+    for number, heading in enumerate(page.header):
+        table.add_column(heading, justify="right" if number else "left", no_wrap=True)
+    for row in page.rows:
+        table.add_row(*map(escape, row))
+    return table
+
+
 def print_table(console: Console, table: Table) -> None:
     """Print a table, or what it holds row by row where the terminal is too narrow for it.
 
@@ -60,6 +75,8 @@ def print_table(console: Console, table: Table) -> None:
     cells = zip(*(column.cells for column in table.columns), strict=True)
     for row, texts in zip(table.rows, cells, strict=True):
         for number, (name, text) in enumerate(zip(names, texts, strict=True)):
+            if number and text in EMPTY:
+                continue
             if number == 0:
                 line = Text.from_markup(f"{name} {text}" if name else str(text))
             else:

@@ -21,6 +21,8 @@ def require_usable(
 ) -> None:
     """Show the reasons of its verdict, and refuse it where that is FAIL.
 
+    The worst reason of a FAIL stands in the error, and only there.
+
     Args:
         calibration: found.
         figures: of it, for machines.
@@ -29,8 +31,9 @@ def require_usable(
     Raises:
         CalibrationFailedError: it must not be used.
     """
-    for line in reason_lines(calibration):
+    failed = calibration.verdict == "FAIL"
+    for line in reason_lines(calibration)[failed:]:
         console.print(line, soft_wrap=True)
-    if calibration.verdict == "FAIL":
+    if failed:
         reasons = list_reasons(calibration.reasons, 1)
         raise CalibrationFailedError(f"no calibration written: {reasons}", figures)

@@ -186,19 +186,24 @@ def check_changed(files: Sequence[str]) -> list[Finding]:
     ]
 
 
-def check_directions(found: Identifiability, add: DoubleSupport | None) -> list[Finding]:
-    """Directions that only the prior has fixed though other supports could fix them."""
+def check_directions(
+    found: Identifiability, add: DoubleSupport | None, *, cure: bool = True
+) -> list[Finding]:
+    """Directions that only the prior has fixed though other supports could fix them.
+
+    Args:
+        found: what the data fix.
+        add: double support that would help; None: none is known.
+        cure: say so; False where another finding says it.
+    """
     if not found.weak or found.rank >= found.possible:
         return []
-    cure = _addition(add, "record more double supports with other yaws between the feet")
     listed = list_reasons(list(found.weak_by_words), MOST_DIRECTIONS)
-    return [
-        Finding(
-            "WARN",
-            f"the data identify {found.rank} of {found.possible} directions, but not: {listed}; "
-            f"{cure}",
-        )
-    ]
+    reason = f"the data identify {found.rank} of {found.possible} directions, but not: {listed}"
+    if cure:
+        more = "record more double supports with other yaws between the feet"
+        reason += f"; {_addition(add, more)}"
+    return [Finding("WARN", reason)]
 
 
 def _addition(add: DoubleSupport | None, otherwise: str) -> str:

@@ -8,11 +8,11 @@ from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.estimation.series import Errors
 from shoecal_core.report.assessment import (
     assessment_section,
-    carried,
     expected_keys,
     possible,
     time_offset_text,
 )
+from shoecal_core.report.assessment_tables import carried
 from shoecal_core.report.calibration_content import CalibrationReport
 from shoecal_core.report.calibration_figures import (
     accuracy_pictures,
@@ -31,6 +31,7 @@ from shoecal_core.report.calibration_tables import (
     weight_std,
 )
 from shoecal_core.report.html import write_page
+from shoecal_core.report.next_step import after_calibration
 from shoecal_core.report.page import (
     Group,
     KeyFigure,
@@ -49,10 +50,6 @@ MEANING = {
     "WARN": "This calibration may be used with care: read the reasons first.",
     "FAIL": "This calibration must not be used.",
 }
-NEXT = (
-    "Next: on the robot, /shoe/apply puts a self-calibration in force, /shoe/set_calibration this "
-    "file. GRF and CoP of a recording: shoecal apply SESSION --calibration FILE."
-)
 SOURCES = {"self": "self-calibration", "manual": "manual calibration"}
 
 
@@ -79,13 +76,21 @@ def calibration_page(content: CalibrationReport) -> Page:
     )  # fmt: skip
 
 
-def verdict_of(calibration: Calibration) -> PageVerdict:
-    """May it be used, and why (not)."""
+def verdict_of(calibration: Calibration, following: str | None = None) -> PageVerdict:
+    """May it be used, and why (not).
+
+    Args:
+        calibration: found.
+        following: what to do next; None: put it in force.
+    """
+    line = following
+    if line is None:
+        line = after_calibration(calibration.verdict, by_robot=calibration.source == "self")
     return PageVerdict(
         calibration.verdict,
         MEANING[calibration.verdict],
         tuple(Reason(*split_reason(one, calibration.verdict)) for one in calibration.reasons),
-        lines=() if calibration.verdict == "FAIL" else (NEXT,),
+        lines=(line,) if line else (),
     )
 
 

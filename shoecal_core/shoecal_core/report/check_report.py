@@ -8,13 +8,16 @@ from pathlib import Path
 
 import numpy as np
 
+from shoecal_core.estimation.assessment import Assessment
 from shoecal_core.estimation.weight import Weighed
 from shoecal_core.recording.info import RunInfo
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import RunEntry, Session
 from shoecal_core.report import palette
+from shoecal_core.report.assessment_tables import expected_table
 from shoecal_core.report.figures.strips import Strip, strips
 from shoecal_core.report.html import write_page
+from shoecal_core.report.next_step import after_check
 from shoecal_core.report.origin import origin, robot_text, shoe_text
 from shoecal_core.report.page import (
     Group,
@@ -30,6 +33,7 @@ from shoecal_core.report.palette import Look
 from shoecal_core.report.quantities import UNKNOWN, double_support_text, quantity, uncertain
 from shoecal_core.report.screening_parts import left_out_group
 from shoecal_core.report.svg import line_key
+from shoecal_core.report.weak_table import weak_table
 from shoecal_core.report.zeros_section import zeros_section
 from shoecal_core.robot.robot import GRAVITY, Robot
 from shoecal_core.samples.aligned import Aligned
@@ -61,6 +65,7 @@ class CheckReport:
         warnings: what is not, but should be looked at.
         zeros: what feet read in the air.
         weighed: the weight by data sheets; None where it cannot be known.
+        assessed: how certain a calibration from it would be; None where there can be none.
     """
 
     session: Session
@@ -73,6 +78,7 @@ class CheckReport:
     warnings: tuple[str, ...]
     zeros: tuple[ZeroFigures, ...] = ()
     weighed: Weighed | None = None
+    assessed: Assessment | None = None
 
     @property
     def verdict(self) -> str:
@@ -149,6 +155,7 @@ def check_page(content: CheckReport) -> Page:
         key_figures=_key_figures(content),
         sections=(
             _runs(content),
+            *_reached(content),
             _left_out(content),
             *zeros_section(content.zeros),
             *_raw(content),
@@ -161,7 +168,9 @@ def check_page(content: CheckReport) -> Page:
 def _verdict(content: CheckReport) -> PageVerdict:
     reasons = [Reason("FAIL", text) for text in content.problems]
     reasons += [Reason("WARN", text) for text in content.warnings]
-    return PageVerdict(content.verdict, MEANING[content.verdict], tuple(reasons))
+    following = after_check(content.verdict, content.session.folder.name)
+    lines = (following,) if following else ()
+    return PageVerdict(content.verdict, MEANING[content.verdict], tuple(reasons), lines=lines)
 
 
 def _key_figures(content: CheckReport) -> tuple[KeyFigure, ...]:
@@ -221,20 +230,32 @@ def _runs(content: CheckReport) -> Section:
     return Section("What was recorded", (group,))
 
 
+def _reached(content: CheckReport) -> tuple[Section, ...]:
+    if content.assessed is None:
+        return ()
+    tables = (expected_table(content.assessed), weak_table(content.assessed.identifiability))
+    group = Group(tables=tuple(table for table in tables if table is not None))
+    return (Section("What a calibration would reach", (group,)),)
+
+
 def _left_out(content: CheckReport) -> Section:
     ends = {number: float(run.readings.time[-1]) for number, run in content.runs.items()}
     return Section("What a calibration would leave out", (left_out_group(content.screening, ends),))
 
 
 def _raw(content: CheckReport) -> tuple[Section, ...]:
-    pictures = tuple(raw_picture(content, entry) for entry in content.entries)
-    if not pictures:
+    if not content.entries:
         return ()
+    first, *others = (raw_picture(content, entry) for entry in content.entries)
+    groups = [Group(pictures=(first,))]
+    if others:
+        title = f"{len(others)} more run{'s' if len(others) > 1 else ''}"
+        groups.append(Group(title, pictures=tuple(others), folded=True))
     text = (
         "Every channel as it was read. A line that stands still, jumps, or runs along the end of "
         "its range belongs to a cell or a cable to look at."
     )
-    return (Section("Raw readings", (Group(pictures=pictures),), text),)
+    return (Section("Raw readings", tuple(groups), text),)
 
 
 def _details(content: CheckReport) -> Section:

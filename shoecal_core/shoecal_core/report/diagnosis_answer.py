@@ -19,9 +19,8 @@ from shoecal_core.report.diagnosis_words import (
     state_text,
     where_text,
 )
-from shoecal_core.report.figures.named_bars import percent
 from shoecal_core.report.page import KeyFigure, PageVerdict
-from shoecal_core.report.quantities import PLUS_MINUS, SPACE, number
+from shoecal_core.report.quantities import PLUS_MINUS, SPACE, number, percent
 
 LEVELS: Mapping[Verdict, str] = {
     "no_gap": "PASS",

@@ -17,11 +17,11 @@ from shoecal_core.report.diagnosis_words import (
     signal_text,
     where_text,
 )
-from shoecal_core.report.figures.named_bars import NamedBar, named_bars, percent
+from shoecal_core.report.figures.named_bars import NamedBar, named_bars
 from shoecal_core.report.figures.strips import Strip, strips
 from shoecal_core.report.page import Picture
 from shoecal_core.report.palette import AFTER, BEFORE
-from shoecal_core.report.quantities import UNKNOWN, size
+from shoecal_core.report.quantities import LEAST_PERCENT, UNKNOWN, percent, size
 from shoecal_core.report.svg import area_key, line_key
 
 _LENGTH, _ANGLE, _FORCE = (1e3, "mm"), (180.0 / math.pi, "°"), (1.0, "N")
@@ -31,10 +31,7 @@ _UNITS = {
     "closure": _LENGTH, "parity": _FORCE, "tilt": _ANGLE,
 }  # fmt: skip
 """By the beginning of a signal's name, the first that fits: factor and unit for a person."""
-MOST_RIVALS = 4
 MOST_SHARES = 10
-LEAST_PROBABLE = 1e-3
-"""Hypotheses beyond the best few are shown from here on."""
 ALWAYS = ("grf", "cop_x", "cop_y")
 LOUD = 1.3
 """Any other signal is drawn whose RMS is so many times its noise."""
@@ -86,9 +83,9 @@ def ranking_picture(diagnosis: Diagnosis) -> Picture | None:
     alike = {(one.effect, one.location) for one in diagnosis.ambiguity}
     shares = []
     for place, one in enumerate(diagnosis.ranking[:MOST_SHARES]):
-        if place >= MOST_RIVALS and one.probability < LEAST_PROBABLE:
-            break
         key = (one.effect, one.location)
+        if place > 0 and one.probability < LEAST_PERCENT and key not in chosen | alike:
+            continue
         colour, kind = palette.SLATE, "another hypothesis"
         if key in chosen:
             colour, kind = palette.TEAL, "chosen"
@@ -104,6 +101,9 @@ def ranking_picture(diagnosis: Diagnosis) -> Picture | None:
         caption += "Of hypotheses with a probability of 80 %, about 80 of 100 should be right."
     else:
         caption += "Probable as against each other only: none of them makes the gap small."
+    if len(shares) < len(diagnosis.ranking):
+        least = f"at most {shares[-1].number}" if len(shares) == MOST_SHARES else "below 1 %"
+        caption += f" All others: {least}."
     return Picture(
         "How probable each hypothesis is",
         named_bars(shares, "Probabilities of the hypotheses"),

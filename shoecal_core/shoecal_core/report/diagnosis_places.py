@@ -9,7 +9,6 @@ import numpy as np
 from shoecal_core.arrays import FloatArray
 from shoecal_core.diagnosis.result import Diagnosis, Evidence, Fitted
 from shoecal_core.report.figures.feet import foot_shape
-from shoecal_core.report.figures.named_bars import percent
 from shoecal_core.report.figures.residual_field import (
     Field,
     FieldPanel,
@@ -18,6 +17,7 @@ from shoecal_core.report.figures.residual_field import (
 )
 from shoecal_core.report.page import Picture
 from shoecal_core.report.palette import AFTER, BEFORE, Look
+from shoecal_core.report.quantities import percent
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import FEET, Shoe

@@ -25,10 +25,9 @@ from shoecal_core.report.diagnosis_words import (
     sizes_text,
     why_alike,
 )
-from shoecal_core.report.figures.named_bars import percent
 from shoecal_core.report.origin import robot_text, shoe_text
 from shoecal_core.report.page import Table
-from shoecal_core.report.quantities import SPACE, UNKNOWN, size
+from shoecal_core.report.quantities import SPACE, UNKNOWN, percent, size
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import Shoe
 

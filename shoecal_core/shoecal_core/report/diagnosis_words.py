@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from shoecal_core.diagnosis.result import Cause, NamedHypothesis, Size, Where
 from shoecal_core.error_sources.effects.words import name_of, words_of
-from shoecal_core.report.quantities import SPACE, UNKNOWN, number
+from shoecal_core.report.quantities import SPACE, UNKNOWN, number, percent
 from shoecal_core.shoe.shoe import FEET
 
 SIGNALS: Mapping[str, str] = {
@@ -126,7 +126,7 @@ def hypothesis_text(one: NamedHypothesis | Cause) -> str:
 
 def finding_text(cause: Cause) -> str:
     """Place, effect and probability: `left/front_left bends with load (96 %)`."""
-    return f"{state_text(cause)} ({100.0 * cause.probability:.0f}{SPACE}%)"
+    return f"{state_text(cause)} ({percent(cause.probability)})"
 
 
 def state_text(cause: Cause) -> str:

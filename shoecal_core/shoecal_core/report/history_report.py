@@ -7,17 +7,19 @@ from pathlib import Path
 
 import numpy as np
 
+from shoecal_core.estimation.assessment import NORMAL_95
 from shoecal_core.estimation.history import HistoryEntry, made_text
 from shoecal_core.report.figures.tracks import ChannelTrack, tracks
 from shoecal_core.report.html import write_page
+from shoecal_core.report.next_step import after_history
 from shoecal_core.report.page import Group, Page, PageVerdict, Picture, Reason, Section, Table
-from shoecal_core.report.quantities import UNKNOWN, quantity
+from shoecal_core.report.quantities import quantity, uncertain
 from shoecal_core.shoe.shoe import FEET
 
 DAY_NS = 86_400 * 10**9
 DAYS = "days since the first calibration"
-MEANING = "Verdict of the latest calibration."
-CAPTION = "Bars: one standard deviation, where the file has a covariance."
+MEANING = "That is the verdict of the latest calibration."
+CAPTION = "Bars: 95 % intervals, where the file has a covariance."
 
 
 def history_report(path: Path, history: Sequence[HistoryEntry]) -> None:
@@ -32,19 +34,24 @@ def history_report(path: Path, history: Sequence[HistoryEntry]) -> None:
     """
     last = history[-1].calibration
     feet = [foot for foot in FEET if any(name.startswith(f"{foot}/") for name in last.channels)]
-    reasons = tuple(
-        Reason("WARN" if sure else "PASS", text) for sure, text in _changes(history[-1])
-    )
+    changes = _changes(history[-1])
+    following = after_history(any(sure for sure, _ in changes))
+    reasons = tuple(Reason("WARN" if sure else "PASS", text) for sure, text in changes)
+    latest, *others = (_table(entry, first=entry is history[0]) for entry in reversed(history))
+    tables = [Group(tables=(latest,))]
+    if others:
+        title = f"{len(others)} earlier calibration{'s' if len(others) > 1 else ''}"
+        tables.append(Group(title, tables=tuple(others), folded=True))
     write_page(
         path,
         Page(
             title=f"Calibrations of {last.shoe} on {last.robot}",
             subtitle=f"{len(history)} calibrations, oldest first",
-            verdict=PageVerdict(last.verdict, MEANING, reasons),
+            verdict=PageVerdict(last.verdict, MEANING, reasons, lines=(following,)),
             key_figures=(),
             sections=(
                 Section("Over time", tuple(_foot(history, foot) for foot in feet)),
-                Section("Calibrations", (Group(tables=tuple(map(_table, history))),)),
+                Section("Calibrations", tuple(tables)),
             ),
             provenance=tuple(f"{entry.calibration.id}: {entry.path.name}" for entry in history),
         ),
@@ -57,7 +64,9 @@ def _changes(entry: HistoryEntry) -> list[tuple[bool, str]]:
     changes = []
     for kind, beyond in (("gains", entry.gain_beyond), ("offsets", entry.offset_beyond)):
         listed = ", ".join(names[beyond]) or "none"
-        changes.append((bool(beyond.any()), f"{kind} changed by more than 2 std: {listed}"))
+        changes.append(
+            (bool(beyond.any()), f"{kind} changed by more than 2 standard deviations: {listed}")
+        )
     return changes
 
 
@@ -74,7 +83,9 @@ def _foot(history: Sequence[HistoryEntry], foot: str) -> Group:
             names[index],
             days,
             np.array([100.0 + entry.gain_change[index] for entry in history]),
-            np.array([100.0 * abs(entry.gain_std[index] / base[index]) for entry in history]),
+            100.0
+            * NORMAL_95
+            * np.array([abs(entry.gain_std[index] / base[index]) for entry in history]),
         )
         for index in own
     ]
@@ -83,7 +94,7 @@ def _foot(history: Sequence[HistoryEntry], foot: str) -> Group:
             names[index],
             days,
             np.array([entry.calibration.parameters.offset[index] for entry in history]),
-            np.array([entry.offset_std[index] for entry in history]),
+            NORMAL_95 * np.array([entry.offset_std[index] for entry in history]),
         )
         for index in force
     ]
@@ -94,20 +105,26 @@ def _foot(history: Sequence[HistoryEntry], foot: str) -> Group:
     return Group(f"{foot.capitalize()} foot", pictures=tuple(pictures))
 
 
-def _table(entry: HistoryEntry) -> Table:
+def _table(entry: HistoryEntry, *, first: bool) -> Table:
+    """Gains and offsets, with their changes against the first; the first has none."""
     one = entry.calibration
-    moment = made_text(one, " UTC")
-    warm = quantity(one.temperature, "°C", 1) if np.isfinite(one.temperature) else UNKNOWN
-    rows = tuple(
-        (
+    warm = quantity(one.temperature, "°C", 1) if np.isfinite(one.temperature) else "unknown"
+    rows = []
+    for index, name in enumerate(one.channels):
+        gain, offset = one.parameters.gain[index], one.parameters.offset[index]
+        row = [
             name,
-            f"{one.parameters.gain[index]:.5g} ± {entry.gain_std[index]:.2g}",
+            uncertain(gain, NORMAL_95 * entry.gain_std[index], "1"),
             f"{entry.gain_change[index]:+.2f} %" + (" *" if entry.gain_beyond[index] else ""),
-            f"{one.parameters.offset[index]:.2f} ± {entry.offset_std[index]:.2g}",
+            uncertain(offset, NORMAL_95 * entry.offset_std[index], "1"),
             f"{entry.offset_change[index]:+.2f}" + (" *" if entry.offset_beyond[index] else ""),
-        )
-        for index, name in enumerate(one.channels)
+        ]
+        rows.append(tuple([row[0], row[1], row[3]] if first else row))
+    header = (
+        ("", "gain", "offset (N or N m)")
+        if first
+        else ("", "gain", "change", "offset (N or N m)", "change")
     )
-    header = ("", "gain", "change", "offset (N or N m)", "change")
-    note = f"{one.verdict}, temperature {warm}. ± one standard deviation; *: beyond 2 of them."
-    return Table(f"{moment}, {one.id}", header, rows, note)
+    note = f"{one.verdict}, temperature {warm}. ± is half of the 95 % interval"
+    note += "." if first else "; changes: against the first; *: beyond 2 standard deviations."
+    return Table(f"{made_text(one, ' UTC')}, {one.id}", header, tuple(rows), note)

@@ -20,6 +20,7 @@ from shoecal_core.report.figures.feet import foot_shape
 from shoecal_core.report.figures.loads import KnownLoads, cop_under_loads, forces_under_loads
 from shoecal_core.report.figures.tracks import ChannelTrack, tracks
 from shoecal_core.report.html import write_page
+from shoecal_core.report.next_step import after_cells
 from shoecal_core.report.page import Group, KeyFigure, Page, Picture, Section, Table
 from shoecal_core.report.quantities import (
     UNKNOWN,
@@ -157,10 +158,10 @@ def loads_table(content: ManualReport) -> Table:
     )
     return Table(
         "Errors under known weights",
-        ("", "loads", "GRF", "CoP before", "CoP after", "CoP, each load from the others"),
+        ("", "loads", "GRF", "CoP before", "CoP after", "CoP held out"),
         rows,
-        "MAE ± standard deviation. The last column is what to expect of loads that were not read: "
-        "there the correction knows all loads but the one that it predicts.",
+        "MAE ± standard deviation. Held out: each load predicted by a correction that knows all "
+        "others; expect that of loads that were not read.",
     )
 
 
@@ -237,12 +238,13 @@ def manual_report(path: Path, content: ManualReport) -> None:
 
 def manual_page(content: ManualReport) -> Page:
     """The report, ready to be rendered; the same content makes the same page."""
+    following = None if content.feet else after_cells(content.calibration.verdict)
     what = "Manual calibration" if content.feet else "Single cells"
     step = "single cells and loaded shoes" if content.feet else "first step of two: single cells"
     return Page(
         title=f"{what} of {content.shoe.name}",
         subtitle=" · ".join([step, *made(content.calibration), f"worn by {content.robot.name}"]),
-        verdict=verdict_of(content.calibration),
+        verdict=verdict_of(content.calibration, following),
         key_figures=_key_figures(content),
         sections=(*_loads(content), _cells(content), _details(content)),
         provenance=content.provenance,

@@ -10,6 +10,7 @@ from pathlib import Path
 from shoecal_core.planning.supports.identifiability import Identifiability
 from shoecal_core.report.figures.margins import margin_text
 from shoecal_core.report.html import write_page
+from shoecal_core.report.next_step import after_plan
 from shoecal_core.report.page import (
     Group,
     KeyFigure,
@@ -103,7 +104,7 @@ def plan_page(
         unplanned: double supports in which there is none.
         known: what a calibration from them would fix, where that is known.
     """
-    open_directions = weak_table(known.weak) if known else None
+    open_directions = weak_table(known) if known else None
     more = (_unplanned_table(unplanned) if unplanned else None, open_directions)
     tables = (_table(motions), *(table for table in more if table is not None))
     robot = motions[0].robot
@@ -116,7 +117,13 @@ def plan_page(
         key_figures=(*_key_figures(motions), *(_fixed_figure(known) if known else ())),
         sections=(
             Section("All motions", (Group(tables=tables),)),
-            *(_section(*one) for one in zip(motions, pictures, strict=True)),
+            Section(
+                "Each motion",
+                tuple(
+                    _group(planned, drawn, folded=number > 0)
+                    for number, (planned, drawn) in enumerate(zip(motions, pictures, strict=True))
+                ),
+            ),
         ),
         provenance=(
             NOTE,
@@ -154,6 +161,7 @@ def verdict(
 ) -> PageVerdict:
     """Whether the robot may do it, what it will not reach, and whether it identifies enough."""
     lines = (_fixed_line(known),) if known else ()
+    following = (*lines, after_plan(f"{motions[0].label}.csv"))
     reasons = []
     for planned in motions:
         for finding in planned.report.violated:
@@ -182,8 +190,8 @@ def verdict(
     meaning = "Every motion keeps all limits in a check that is independent of the planner."
     if reasons:
         meaning = f"{meaning} Not every landmark is reached."
-        return PageVerdict("WARN", meaning, tuple(reasons), lines=lines)
-    return PageVerdict("PASS", f"{meaning} Every landmark is reached.", (), lines=lines)
+        return PageVerdict("WARN", meaning, tuple(reasons), lines=following)
+    return PageVerdict("PASS", f"{meaning} Every landmark is reached.", (), lines=following)
 
 
 def heading(planned: PlannedMotion) -> str:
@@ -241,10 +249,12 @@ def _unplanned_table(unplanned: Sequence[Unplanned]) -> Table:
     return Table("Not planned", ("", "double support", "reason"), rows)
 
 
-def _section(planned: PlannedMotion, pictures: tuple[Picture, ...]) -> Section:
+def _group(planned: PlannedMotion, pictures: tuple[Picture, ...], *, folded: bool) -> Group:
     text = f"{support_text(planned.motion.support)}; {planned.motion.duration:.1f} s."
-    return Section(
+    return Group(
         heading(planned),
-        (Group(player=animation(planned), pictures=pictures),),
         text[0].upper() + text[1:],
+        pictures,
+        player=animation(planned),
+        folded=folded,
     )

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 UNKNOWN = "–"
 SPACE = "\N{NO-BREAK SPACE}"
 PLUS_MINUS = f"{SPACE}±{SPACE}"
+LEAST_PERCENT = 0.005
+"""Smaller shares are less than one per cent."""
 
 
 def channel_units(shoe: Shoe, *, torque: bool) -> tuple[str, str]:
@@ -69,6 +71,15 @@ def size(value: float, unit: str) -> str:
         return UNKNOWN
     decimals = 0 if value == 0.0 else max(0, 1 - math.floor(math.log10(abs(value))))
     return _with_unit(number(value, decimals), unit)
+
+
+def percent(share: float) -> str:
+    """A share for a person; a small one is not nothing, a large one not all."""
+    if 0.0 < share < LEAST_PERCENT:
+        return "< 1 %"
+    if 1.0 - LEAST_PERCENT <= share < 1.0:
+        return "> 99 %"
+    return f"{number(100.0 * share, 0)} %"
 
 
 def mean_error(mae: Mae, unit: str, scale: float = 1.0) -> str:

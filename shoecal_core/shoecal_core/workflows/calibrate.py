@@ -380,10 +380,11 @@ def _verdict(
     findings += of_time_offset(stages.time_offset)
     for name, error in modelled.items():
         findings += check_accuracy(name, error, data.robot, limits[name])
-    findings += check_directions(assessment.identifiability, assessment.support_to_add)
-    width = min(foot.half_width for foot in data.robot.feet)
-    findings += check_expected(width, *assessment.expected_cop(), assessment.support_to_add)
-    return judge(findings)
+    width, add = min(foot.half_width for foot in data.robot.feet), assessment.support_to_add
+    expected = check_expected(width, *assessment.expected_cop(), add)
+    # Both have one cure, which stands once, with what is worse.
+    findings += check_directions(assessment.identifiability, add, cure=not expected)
+    return judge(findings + expected)
 
 
 def _calibration(

@@ -59,3 +59,11 @@ def test_what_was_only_asked_for_explains_nothing(verdict: Verdict, title: str) 
     with console.capture() as printed:
         print_diagnosis(found, None, console)
     assert title in printed.get()
+
+
+def test_what_could_not_be_seen_is_counted_not_spelt_out() -> None:
+    unseen = ("floor_tilt", "payload (24 of 25 places: all but Head_link)")
+    console = Console(width=200)
+    with console.capture() as printed:
+        print_diagnosis(replace(diagnosis(), cannot_detect=unseen), None, console)
+    assert "could not be seen here (2): floor_tilt; payload (24 of 25 places)\n" in printed.get()

@@ -47,7 +47,13 @@ def test_what_changed(calibrated: Path, later: Path, shoecal: Run) -> None:
     assert second["channels"][0]["name"] in told
     assert "1970" not in told + report.read_text()
     assert f"simulated, {first['made_ns'] / 1e9:.0f} s" in told
-    assert report.read_text().count("<svg") >= 4
+    page = report.read_text()
+    assert page.count("<svg") >= 4
+    # The first has not changed against itself, and is folded away; the latest says what to do.
+    assert "0.00 %" in page
+    assert page.count("0.00 %") == len(second["channels"])
+    assert "1 earlier calibration" in page
+    assert "/shoe/set_calibration" in page
 
 
 def test_zeros_that_moved_between_two_sessions(

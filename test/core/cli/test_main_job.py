@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from core.cli.conftest import Run
 from shoecal_core import cli
 from shoecal_core.estimation.calibration import load_calibration
 from shoecal_core.files import read_yaml, sha256
+from shoecal_core.report.quantities import size
 
 
 def test_a_session_is_found_fit_for_use(shoecal: Run, simulated: Path) -> None:
@@ -37,12 +39,11 @@ def test_how_far_it_can_be_trusted(
     told = found["assessment"]
     for foot, label in (("both", "both feet"), ("left", "left foot"), ("right", "right foot")):
         expected = told["expected_error"][foot]
-        (line,) = [line.split() for line in out.splitlines() if line.strip().startswith(label)]
-        assert line[2:] == [
-            f"{expected['grf_std_n']:.2f}",
-            f"{expected['cop_mae_mm']:.1f}",
-            f"{expected['cop_worst_mm']:.1f}",
-        ]
+        (line,) = [line for line in out.splitlines() if line.strip().startswith(label)]
+        values = re.split(r" {2,}", line.strip().replace("\N{NO-BREAK SPACE}", " "))[1:]
+        assert values[0] == size(expected["grf_std_n"], "N").replace("\N{NO-BREAK SPACE}", " ")
+        for value, name in ((values[1], "cop_mae_mm"), (values[-1], "cop_worst_mm")):
+            assert value == size(expected[name], "mm").replace("\N{NO-BREAK SPACE}", " ")
     assert f"the data identify {told['rank']} of {told['possible_rank']} directions" in out
     for words in told["weak_directions"]:
         assert f"not identified: {words}" in out
@@ -50,8 +51,10 @@ def test_how_far_it_can_be_trusted(
     assert (
         f"left out before the fit: {lost} of {sum(found['screening']['samples'].values())}" in out
     )
-    # The verdict's reasons come last, each in a line of its own, and say their level once.
-    last = out.splitlines()[-1 - len(found["reasons"]) : -1]
+    # Last come the verdict's reasons, each in a line of its own with its level once, the file, and
+    # what to do with it.
+    assert f"/shoe/set_calibration with {again}" in out.splitlines()[-1]
+    last = out.splitlines()[-2 - len(found["reasons"]) : -2]
     assert last == [
         reason if ": " in reason[:6] else f"{found['verdict']}: {reason}"
         for reason in found["reasons"]

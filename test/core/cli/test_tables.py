@@ -11,7 +11,8 @@ from rich.table import Table
 
 from core.estimation.standing import calibration
 from core.shoe import shoes
-from shoecal_core.cli.tables import TEXT, new_table, print_table, reason_lines
+from shoecal_core.cli.tables import TEXT, new_table, of_page, print_table, reason_lines
+from shoecal_core.report.page import Table as Page
 from shoecal_core.shoe.wrench import ChannelParameters
 
 
@@ -52,6 +53,12 @@ def test_no_figure_is_cut(width: int) -> None:
     assert "…" not in "".join(lines)
 
 
+def test_a_table_of_a_page_is_shown_with_its_values() -> None:
+    page = Page("Errors [N]", ("", "CoP", "GRF"), (("left [foot]", "1.2 mm", "–"),), "note")
+    assert " left [foot]   1.2 mm     –" in shown(of_page(page), 60)
+    assert shown(of_page(page), 20) == ["Errors [N]", "left [foot]", "  CoP: 1.2 mm", ""]
+
+
 def test_what_does_not_fit_is_shown_row_by_row() -> None:
     assert any("0.19 ± 0.03" in line and "1.17 ± 0.29" in line for line in shown(figures(), 60))
     assert shown(figures(), 40) == [
@@ -62,7 +69,6 @@ def test_what_does_not_fit_is_shown_row_by_row() -> None:
         "    y 2.08 ± 0.31",
         "  left foot",
         "  GRF (N): 0.05 ± 0.01",
-        "  CoP (mm): -",
         "",
     ]
 

@@ -10,7 +10,6 @@ import pytest
 from core.estimation import synthetic
 from core.planning.bodies import load_body
 from core.shoe import shoes
-from shoecal_core.cli.weak_lines import weak_lines
 from shoecal_core.error_sources.deviation import Deviation
 from shoecal_core.estimation.checks import (
     GAIN_RATIO,
@@ -30,6 +29,7 @@ from shoecal_core.planning.supports.identifiability import (
     total_information,
 )
 from shoecal_core.planning.supports.observability import Visit
+from shoecal_core.report.weak_table import weak_lines
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.samples.stance import Stance
 from shoecal_core.screening.findings import of_time_offset
@@ -155,6 +155,8 @@ def test_missing_directions() -> None:
     assert "other yaws" in finding.reason
     (finding,) = check_directions(told, DoubleSupport(0.0, -0.12, 0.4))
     assert "dy -0.12 m, dtheta 0.4 rad" in finding.reason
+    (finding,) = check_directions(told, DoubleSupport(0.0, -0.12, 0.4), cure=False)
+    assert "add a double support" not in finding.reason
     assert check_directions(dataclasses.replace(told, weak=()), None) == []
     many = tuple(WeakDirection(f"direction {number}", np.inf) for number in range(9))
     (finding,) = check_directions(dataclasses.replace(told, weak=many), None)

@@ -13,14 +13,11 @@ from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.recording.session import Session
 from shoecal_core.report.assessment import (
     assessment_section,
-    carried,
-    cure,
     expected_keys,
     possible,
-    rms,
-    source_name,
     source_pictures,
 )
+from shoecal_core.report.assessment_tables import carried, cure, rms, source_name
 from shoecal_core.report.calibration_content import CalibrationReport
 from shoecal_core.report.calibration_tables import channels_table
 from shoecal_core.report.page import Group, Section

@@ -40,6 +40,8 @@ def test_a_fit_session(checked: CheckReport, tmp_path: Path) -> None:
     check_report(path, checked)
     document = read(path.read_text(encoding="utf-8"))
     assert "PASS This session is fit for a calibration." in document.text
+    assert f"Next: shoecal calibrate {checked.session.folder.name} --out" in document.text
+    assert document.tags["details"] == 1
     assert "The recorded robot, its shoes and the floor are simulated." in document.text
     assert document.tags["svg"] == len(checked.runs)
     for number, run in checked.runs.items():

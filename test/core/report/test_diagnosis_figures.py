@@ -8,7 +8,7 @@ from core.robot import robots
 from core.shoe import shoes
 from shoecal_core.report.diagnosis_figures import residual_keys, rms_text, unit_of
 from shoecal_core.report.figures.feet import foot_shape
-from shoecal_core.report.figures.named_bars import NamedBar, named_bars, percent
+from shoecal_core.report.figures.named_bars import NamedBar, named_bars
 from shoecal_core.report.figures.residual_field import (
     LONGEST_MM,
     LONGEST_OF_NOISE_MM,
@@ -19,6 +19,7 @@ from shoecal_core.report.figures.residual_field import (
 )
 from shoecal_core.report.figures.strips import Strip, strips
 from shoecal_core.report.palette import AFTER, BEFORE, BLUE
+from shoecal_core.report.quantities import percent
 
 NOTHING = Field(np.empty((0, 2)), np.empty((0, 2)), np.empty(0))
 

@@ -59,6 +59,11 @@ def test_nothing_comes_from_elsewhere(html: str, document: Document) -> None:
     assert not {name for name in document.attributes if name.startswith("on")}
 
 
+def test_motions_after_the_first_are_folded(document: Document) -> None:
+    assert document.tags["details"] == 1
+    assert "/shoe/self_calibrate plans and moves" in document.text
+
+
 def test_only_the_pages_own_script_may_run(html: str) -> None:
     scripts = re.findall(r"<script([^>]*)>(.*?)</script>", html, flags=re.DOTALL)
     running = [text for kind, text in scripts if "application/json" not in kind]

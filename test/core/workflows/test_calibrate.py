@@ -64,6 +64,7 @@ def test_supports_that_leave_the_feet_s_shares_open_are_told(
     assert "the CoP is expected to be off by" in found.reasons[0]
     assert "add a double support: right foot at dx" in found.reasons[0]
     assert "of 14 directions, but not: the offsets of" in found.reasons[1]
+    assert sum(reason.count("add a double support") for reason in found.reasons) == 1
 
 
 def test_what_was_found_before_the_fit_counts() -> None:

@@ -16,7 +16,7 @@ from shoecal_core.estimation.fit import self_calibrate
 from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.estimation.session_data import load_data
 from shoecal_core.recording.session import Session
-from shoecal_core.report.assessment import source_name
+from shoecal_core.report.assessment_tables import source_name
 from shoecal_core.report.session_report import write_session_report
 from shoecal_core.samples.stance import Stance
 from shoecal_core.screening.settings import CalibrationSettings

@@ -68,12 +68,3 @@ def named_bars(bars: Sequence[NamedBar], what: str, limit: str = "") -> str:
             page.write(WIDTH - 4.0, over, bar.number, ha="right", fontsize=SMALL)
         listed = "; ".join(f"{bar.name} {bar.number}" for bar in bars)
         return page.svg(f"{what}: {listed}.")
-
-
-def percent(value: float) -> str:
-    """A share for a person; a small one is not nothing, a large one not all."""
-    if 0.0 < value < 0.005:
-        return "< 1 %"
-    if 0.995 <= value < 1.0:
-        return "> 99 %"
-    return f"{100.0 * value:.0f} %"
