@@ -36,12 +36,17 @@ def seed_number(text: str) -> int:
     return int(text)
 
 
+def _number(text: str) -> float:
+    """NaN where the text is none: it lies in no range."""
+    try:
+        return float(text)
+    except ValueError:
+        return float("nan")
+
+
 def rate_hz(text: str) -> float:
     """A rate of sampling."""
-    try:
-        rate = float(text)
-    except ValueError:
-        rate = float("nan")
+    rate = _number(text)
     if not 1.0 <= rate <= 1e4:
         raise argparse.ArgumentTypeError(f"'{text}': expected 1 to 10000 Hz")
     return rate
@@ -49,10 +54,7 @@ def rate_hz(text: str) -> float:
 
 def length_mm(text: str) -> float:
     """A length in millimetres."""
-    try:
-        length = float(text)
-    except ValueError:
-        length = float("nan")
+    length = _number(text)
     if not 0.1 <= length <= 100.0:
         raise argparse.ArgumentTypeError(f"'{text}': expected 0.1 to 100 mm")
     return length
@@ -117,10 +119,7 @@ def add_rezero(parser: argparse.ArgumentParser) -> None:
 
 def weight_kg(text: str) -> float:
     """A weight."""
-    try:
-        weight = float(text)
-    except ValueError:
-        weight = float("nan")
+    weight = _number(text)
     if not 0.1 <= weight <= 1000.0:
         cure = f": {DECIMAL_POINT}" if "," in text else ""
         cure = cure or (": give kg, not grams" if weight > 1000.0 else "")

@@ -59,16 +59,17 @@ class Workspace:
 
     def at(self, scored: Scored) -> Workspace:
         """With tolerance errors as an explanation leaves them."""
-        found = replace(self, built=scored)
-        # What does not hang on them stays.
-        found.__dict__.update(_fitter=self._fitter, left_of_errors=self.left_of_errors)
-        return found
+        return self._with(self.scorer, scored)
 
     def built_worse(self) -> Workspace:
         """The same for a robot that may be built worse than its tolerances say."""
         own = self.scorer
         scorer = Scorer(own.rows, own.channels, own.withheld, WORSE_FORM_LEVELS)
-        found = replace(self, scorer=scorer, built=scorer.nothing)
+        return self._with(scorer, scorer.nothing)
+
+    def _with(self, scorer: Scorer, built: Scored) -> Workspace:
+        found = replace(self, scorer=scorer, built=built)
+        # What does not hang on them stays.
         found.__dict__.update(_fitter=self._fitter, left_of_errors=self.left_of_errors)
         return found
 

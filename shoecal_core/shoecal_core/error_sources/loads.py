@@ -137,7 +137,7 @@ class Loads:
             torque[:, own] = samples.efforts[:, own]
         return torque
 
-    @property
+    @cached_property
     def relaxed_torque(self) -> FloatArray:
         """(T, m) that the joints hold with where all give alike and both feet stick [N m].
 

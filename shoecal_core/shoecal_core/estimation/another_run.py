@@ -59,4 +59,4 @@ def another_run(
 
 
 def _lengths(spreads: tuple[Spread, ...]) -> FloatArray:
-    return np.array([np.nanmean(one.cop_mean) for one in spreads])
+    return np.array([one.cop_mae for one in spreads])

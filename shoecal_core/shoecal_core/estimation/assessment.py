@@ -90,8 +90,8 @@ class Assessment:
         """Expected mean absolute CoP error [m]: of both feet together in the neutral double
         support, and of each foot under half the weight, the CoP anywhere in the sensing polygons.
         """
-        feet = {name: _mean(one.cop_mean) for name, one in zip(FEET, self.feet, strict=True)}
-        return _mean(self.both.cop_mean), feet
+        feet = {name: one.cop_mae for name, one in zip(FEET, self.feet, strict=True)}
+        return self.both.cop_mae, feet
 
     def expected_cop_with_another(self) -> tuple[float, dict[str, float]]:
         """The same, were the run of `another` recorded once more.
@@ -117,7 +117,7 @@ class Assessment:
         for name, spread in zip(("both", *FEET), (self.both, *self.feet), strict=True):
             expected[name] = {
                 "grf_std_n": _rms(spread.grf),
-                "cop_mae_mm": 1e3 * _mean(spread.cop_mean),
+                "cop_mae_mm": 1e3 * spread.cop_mae,
                 "cop_std_mm": 1e3 * _rms(spread.cop_length),
                 "cop_worst_mm": 1e3 * float(np.nanmax(spread.cop_mean)),
             }
@@ -210,10 +210,6 @@ def _seen_std(
     projected = kept @ covariance[:-1, :-1] @ kept.T
     std: FloatArray = np.sqrt(np.clip(np.diag(projected), 0.0, None))
     return std
-
-
-def _mean(values: FloatArray) -> float:
-    return float(np.nanmean(values))
 
 
 def _rms(values: FloatArray) -> float:

@@ -64,6 +64,11 @@ class Spread:
         return mean
 
     @property
+    def cop_mae(self) -> float:
+        """Mean of that over the load cases with a load [m]."""
+        return float(np.nanmean(self.cop_mean))
+
+    @property
     def cop_length(self) -> FloatArray:
         """(p,) root mean square length of the CoP's error [m]."""
         length: FloatArray = np.linalg.norm(self.cop, axis=1)

@@ -105,7 +105,7 @@ def helps_table(assessed: Assessment) -> Table | None:
         return None
     known.sort(key=lambda one: float(np.sum(one.without**2)))
     # The budget is of mean squares; errors are stated as means of their size.
-    mean = np.array([np.nanmean(one.cop_mean) for one in (assessed.both, *assessed.feet)])
+    mean = np.array([one.cop_mae for one in (assessed.both, *assessed.feet)])
     rows = tuple(
         (
             source_name(one.effect),

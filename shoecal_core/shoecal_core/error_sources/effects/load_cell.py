@@ -32,6 +32,11 @@ def shown(signal_model: SignalModel, channels: IntArray, values: FloatArray) -> 
     return signal_model.by_outputs(change)
 
 
+def each_shown(signal_model: SignalModel, channels: IntArray, values: FloatArray) -> FloatArray:
+    """(k, T, s) the same of each of k courses (T, k) that all the channels have alike."""
+    return np.array([shown(signal_model, channels, one[:, None]) for one in values.T])
+
+
 def unloaded(signal_model: SignalModel, channel: int) -> float:
     """What a cell shows without load, from samples of its foot in the air [N]; else 0.
 
@@ -86,7 +91,7 @@ class Nonlinearity:
         columns = np.array([shown(signal_model, channels, force**power) for power in (2, 3)])
         yield Shape(("quadratic", "cubic"), columns)
         loads, hats = knots(force[:, 0])
-        columns = np.array([shown(signal_model, channels, hat[:, None]) for hat in hats.T])
+        columns = each_shown(signal_model, channels, hats)
         yield Shape(tuple(one_at("bend", f"{load:.1f} N") for load in loads), columns)
 
 
@@ -129,9 +134,7 @@ class Saturation:
         if flat:
             levels = top - span * np.array(SOFT)
             missing = np.maximum(by_others[:, None] - levels, 0.0)
-            columns = np.array(
-                [shown(signal_model, np.array([channel]), -one[:, None]) for one in missing.T]
-            )
+            columns = each_shown(signal_model, np.array([channel]), -missing)
             names = tuple(one_at("share", f"{level - zero:.1f} N") for level in levels)
             within = dict.fromkeys(names, (-MOST_SHARE, MOST_SHARE))
             yield Shape(names, columns, {"level": flat[-1] - zero}, within=within)
@@ -230,7 +233,7 @@ class ZeroDrift:
             values = np.repeat(course[:, None], len(channels), axis=1)
             yield from _alike_or_each(signal_model, channels, name, values)
         times, hats = knots(signal_model.samples.clock)
-        columns = np.array([shown(signal_model, channels, hat[:, None]) for hat in hats.T])
+        columns = each_shown(signal_model, channels, hats)
         yield Shape(tuple(one_at("zero", f"{time:.0f} s") for time in times), columns)
 
 
