@@ -97,9 +97,15 @@ class Scene:
     """A planner, and the kinds of robots, with their adapters or without, in turn."""
 
     def __init__(
-        self, world: World, *, victims: tuple[str, ...], attempt: Literal["kill", "pause"]
+        self,
+        world: World,
+        *,
+        victims: tuple[str, ...],
+        attempt: Literal["kill", "pause"],
+        granted_s: float,
     ) -> None:
         self.world = world
+        self._granted_s = granted_s
         self._victims = victims
         self.attempt = self.kill if attempt == "kill" else self.pause
         self._angles = np.zeros(0)
@@ -123,9 +129,9 @@ class Scene:
             self.world.processes[nodes[victim]].kill()
         for victim in victims:
             self.world.kill(nodes[victim])
-        wait(self.world, TIMEOUT_S + GRANTED_S + LASTS_S)
+        wait(self.world, TIMEOUT_S + self._granted_s + LASTS_S)
         rest_s = max(0.0, self._moved_at - killed_at)
-        if rest_s > TIMEOUT_S + GRANTED_S:
+        if rest_s > TIMEOUT_S + self._granted_s:
             raise BrokenError(f"{kind}, {' and '.join(victims)}, {phase}: {rest_s:.2f} s to rest")
         if "planner" not in victims:
             self.world.until(lambda: nodes["adapter"] in self._reported("planner", "nodes"))
@@ -306,10 +312,14 @@ def run(
     count: int,
     seed: int,
     progress: Progress,
+    granted_s: float = GRANTED_S,
 ) -> Result:
-    """Tries first to first + count - 1, with the messages of all drivers."""
+    """Tries first to first + count - 1, with the messages of all drivers.
+
+    `granted_s` [s]: for messages on their way; more of it on a machine that does other work.
+    """
     worst = {"kill": "{:.2f} s to rest", "pause": "{:.4f} rad off"}[do]
-    scene = partial(Scene, victims=victims, attempt=do)
+    scene = partial(Scene, victims=victims, attempt=do, granted_s=granted_s)
     with ExitStack() as stack:
         for driver in ADAPTERS:
             stack.enter_context(messages_of(driver))

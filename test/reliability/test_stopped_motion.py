@@ -1,19 +1,26 @@
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 import pytest
 
-from reliability.row import Row
-from reliability.stopped_motion import ROWS, off_course
+from reliability.stopped_motion import KINDS, off_course, run
 from ros.adapters.driver_messages import NoMessagesError
 from shoecal_core.arrays import FloatArray
 
+BUSY_S = 1.5
+"""Granted to messages while other tests run: what is left of a motion lasts for longer."""
 
-@pytest.mark.parametrize("row", ROWS, ids=[row.key for row in ROWS])
-def test_a_robot_whose_planner_is_lost_rests(row: Row) -> None:
+
+@pytest.mark.parametrize("do", ["kill", "pause"])
+@pytest.mark.parametrize("victims", KINDS, ids=" and ".join)
+def test_a_robot_whose_planner_is_lost_rests(
+    victims: tuple[str, ...], do: Literal["kill", "pause"]
+) -> None:
     """By set points, of which the driver keeps the last."""
     try:
-        found = row.run(0, 1, 0, lambda _: None)
+        found = run(victims, do, 0, 1, 0, lambda _: None, granted_s=BUSY_S)
     except NoMessagesError as error:
         pytest.skip(str(error))
     assert (found.tried, found.failed) == (1, 0), found.worst
