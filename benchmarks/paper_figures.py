@@ -33,7 +33,7 @@ LOOKS = {
 }
 RUNS = tuple(
     Look(colour, 0.9)
-    for colour in (palette.TEAL, palette.BLUE, palette.STEPS[4], palette.RED, palette.SLATE)
+    for colour in (palette.GUESSED, palette.TRUE, palette.LEFT, palette.CALIBRATED, palette.MODEL)
 )
 
 

@@ -25,7 +25,7 @@ from shoecal_core.report.assessment import error_pictures
 from shoecal_core.report.calibration_content import CalibrationReport
 from shoecal_core.report.calibration_figures import run_pictures
 from shoecal_core.report.figures.feet import draw_feet, foot_shape
-from shoecal_core.report.palette import BLUE, INK, RED
+from shoecal_core.report.palette import INK, LEFT, RIGHT
 from shoecal_core.report.session_report import session_content
 from shoecal_core.report.sheet import SheetFigure, sheet, write_sheet
 from shoecal_core.report.svg import SMALL, canvas
@@ -119,8 +119,8 @@ def write_conventions(path: Path) -> None:
     with canvas(HEIGHT) as page:
         axes = page.panel(8.0, HEIGHT - 44.0, left=50.0)
         draw_feet(axes, feet, named=False)
-        _frame(axes, np.zeros(2), 0.0, "l_sole", BLUE.light)
-        _frame(axes, STANCE.translation, STANCE.dtheta, "r_sole", RED.light)
+        _frame(axes, np.zeros(2), 0.0, "l_sole", LEFT.light)
+        _frame(axes, STANCE.translation, STANCE.dtheta, "r_sole", RIGHT.light)
         _support(axes)
         axes.set_aspect("equal")
         axes.set_xlim(90.0, -260.0)

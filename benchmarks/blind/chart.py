@@ -19,7 +19,7 @@ from shoecal_core.report.svg import WIDTH, canvas, draw_line, line_key
 HEIGHT = 210.0
 BORDERS = (0.0, 1.1, 1.5, 2.1, 3.0, 4.2, 6.0, 9.0, np.inf)
 """Of the gap over the floor."""
-LOOKS = {"found": Look(palette.BLUE, 1.8), "right effect first": Look(palette.RED, 1.8)}
+LOOKS = {"found": Look(palette.FOUND, 1.8), "right effect first": Look(palette.INK, 1.8)}
 
 
 def write_chart(cases: Sequence[Case], file: Path) -> None:

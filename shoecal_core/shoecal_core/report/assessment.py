@@ -20,7 +20,7 @@ from shoecal_core.report.figures.error_map import ErrorMap, common_levels, error
 from shoecal_core.report.figures.feet import foot_shape
 from shoecal_core.report.figures.named_bars import NamedBar, named_bars
 from shoecal_core.report.page import Group, KeyFigure, Picture, Section, Table
-from shoecal_core.report.palette import SLATE
+from shoecal_core.report.palette import PLAIN
 from shoecal_core.report.quantities import number, quantity, size, uncertain
 from shoecal_core.report.screening_parts import left_out_group
 from shoecal_core.report.weak_table import weak_table
@@ -99,7 +99,7 @@ def source_pictures(assessed: Assessment) -> tuple[Picture, ...]:
         largest = sorted(sizes, key=lambda name: sizes[name], reverse=True)[:SHOWN_SOURCES]
         whole = max(sizes[largest[0]], 1e-9)
         bars = [
-            NamedBar(name, quantity(sizes[name], "mm", 1), sizes[name] / whole, SLATE)
+            NamedBar(name, quantity(sizes[name], "mm", 1), sizes[name] / whole, PLAIN)
             for name in largest
         ]
         pictures.append(

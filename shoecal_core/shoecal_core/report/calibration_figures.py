@@ -121,7 +121,7 @@ def _lines(content: CalibrationReport, run: RunReport) -> list[Line]:
     reference: tuple[str, str, Look] = (
         ("truth", "truth", palette.TRUTH)
         if content.has_truth
-        else ("modelled", MODELLED, palette.TRUTH)
+        else ("modelled", MODELLED, palette.REFERENCE)
     )
     chosen = [("guess", GUESS, palette.GUESS), reference, ("measured", MEASURED, palette.MEASURED)]
     lines = [Line(label, look, run.series(name)) for name, label, look in chosen]

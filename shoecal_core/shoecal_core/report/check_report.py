@@ -29,7 +29,6 @@ from shoecal_core.report.page import (
     Section,
     Table,
 )
-from shoecal_core.report.palette import Look
 from shoecal_core.report.quantities import UNKNOWN, double_support_text, quantity, uncertain
 from shoecal_core.report.screening_parts import left_out_group
 from shoecal_core.report.svg import line_key
@@ -41,8 +40,6 @@ from shoecal_core.samples.zeros import ZeroFigures
 from shoecal_core.screening.result import Screening
 from shoecal_core.shoe.shoe import FEET
 
-FEET_LOOKS = (Look(palette.BLUE, 1.1), Look(palette.RED, 1.1))
-"""Left, right."""
 MEANING = {
     "PASS": "This session is fit for a calibration.",
     "WARN": "This session is fit for a calibration: read the warnings first.",
@@ -107,7 +104,7 @@ def raw_picture(content: CheckReport, entry: RunEntry) -> Picture:
             Strip(
                 label=channel.name,
                 time=readings.time,
-                lines=((FEET_LOOKS[channel.foot], values),),
+                lines=((palette.FEET[channel.foot], values),),
                 low=low,
                 high=high,
                 limits=tuple(end for end in (channel.lowest, channel.highest) if low < end < high),
@@ -116,7 +113,7 @@ def raw_picture(content: CheckReport, entry: RunEntry) -> Picture:
                 kept=bool(known.any()) and channel.name not in faulty,
             )
         )
-    keys = [line_key(look, side) for look, side in zip(FEET_LOOKS, FEET, strict=True)]
+    keys = [line_key(look, side) for look, side in zip(palette.FEET, FEET, strict=True)]
     svg = strips(rows, keys, "each strip: that channel’s range", "range here")
     caption = f"Faulty: {', '.join(sorted(faulty))}." if faulty else ""
     return Picture(f"Run {entry.run} ({entry.info.motion})", svg, caption)
@@ -192,7 +189,7 @@ def _key_figures(content: CheckReport) -> tuple[KeyFigure, ...]:
                   "before the fit") if late else KeyFigure("time offset", "none",
                   "joints after readings, before the fit"),
         KeyFigure("double supports", str(len(_supports(content))),
-                  "that differ; their yaws must, too"),
+                  "distinct; they must differ in yaw, too"),
         KeyFigure("reference weight", weight, "robot and shoes, ± standard uncertainty"),
         *_weighed(content.weighed),
     )  # fmt: skip

@@ -20,7 +20,7 @@ from shoecal_core.report.diagnosis_words import (
 from shoecal_core.report.figures.named_bars import NamedBar, named_bars
 from shoecal_core.report.figures.strips import Strip, strips
 from shoecal_core.report.page import Picture
-from shoecal_core.report.palette import AFTER, BEFORE
+from shoecal_core.report.palette import AFTER, BEFORE, ONSET
 from shoecal_core.report.quantities import LEAST_PERCENT, UNKNOWN, percent, size
 from shoecal_core.report.svg import area_key, line_key
 
@@ -61,7 +61,7 @@ def unit_of(name: str) -> tuple[float, str]:
 def share_picture(diagnosis: Diagnosis) -> Picture | None:
     """Shares of the gap; None where there are none."""
     shares = [
-        NamedBar(where_text(place), percent(place.share), place.share, palette.BLUE)
+        NamedBar(where_text(place), percent(place.share), place.share, palette.PLAIN)
         for place in diagnosis.where[:MOST_SHARES]
         if place.share > 0.0
     ]
@@ -86,13 +86,14 @@ def ranking_picture(diagnosis: Diagnosis) -> Picture | None:
         key = (one.effect, one.location)
         if place > 0 and one.probability < LEAST_PERCENT and key not in chosen | alike:
             continue
-        colour, kind = palette.SLATE, "another hypothesis"
+        colour, kind = palette.PLAIN, "another hypothesis"
         if key in chosen:
-            colour, kind = palette.TEAL, "chosen"
+            colour, kind = palette.FOUND, "✓ chosen"
         elif key in alike:
-            colour, kind = palette.WARN, "as good as a chosen one"
+            colour, kind = palette.WARN, "= as good as a chosen one"
         number = percent(one.probability)
-        shares.append(NamedBar(hypothesis_text(one), number, one.probability, colour, kind))
+        mark = {palette.FOUND: "✓ ", palette.WARN: "= "}.get(colour, "")
+        shares.append(NamedBar(mark + hypothesis_text(one), number, one.probability, colour, kind))
     caption = (
         "By how well each predicts runs that were left out of its fit, everything else refitted "
         "with it. "
@@ -178,7 +179,7 @@ def residual_keys(rows: Sequence[Strip]) -> list[Artist]:
     if any(row.lifted for row in rows):
         keys.append(area_key(palette.RULE, "one foot lifted"))
     if any(row.onsets for row in rows):
-        keys.append(line_key(palette.Look(palette.WARN, 1.6, (2.0, 1.0)), "something begins"))
+        keys.append(line_key(ONSET, "something begins"))
     return keys
 
 

@@ -162,15 +162,15 @@ def _shrink(diagnosis: Diagnosis) -> Section | None:
 def _next(diagnosis: Diagnosis) -> Section:
     motion = diagnosis.next_motion
     if motion is None:
-        text = "Nothing is left that another motion would part."
+        text = "No further motion would separate the candidates."
         if diagnosis.verdict == "unknown":
             text = "No motion is proposed: nothing in the library comes near enough to be tested."
         if len(diagnosis.ambiguity) > 1:
-            text = "No motion was found that would part what is still confused."
+            text = "No motion was found that separates these candidates."
         return Section("What to run next", (), text)
     text = f"{motion_text(motion.motion).capitalize()} (motion “{motion.motion}”)."
     if motion.separates:
-        text += f" It would part: {listed([label_text(one) for one in motion.separates])}."
+        text += f" It would separate: {listed([label_text(one) for one in motion.separates])}."
     return Section("What to run next", (), text)
 
 

@@ -18,7 +18,7 @@ from shoecal_core.shoe.shoe import FEET
 
 DAY_NS = 86_400 * 10**9
 DAYS = "days since the first calibration"
-MEANING = "That is the verdict of the latest calibration."
+MEANING = "This is the verdict of the latest calibration."
 CAPTION = "Bars: 95 % intervals, where the file has a covariance."
 
 
@@ -123,7 +123,7 @@ def _table(entry: HistoryEntry, *, first: bool) -> Table:
     header = (
         ("", "gain", "offset (N or N m)")
         if first
-        else ("", "gain", "change", "offset (N or N m)", "change")
+        else ("", "gain", "gain change", "offset (N or N m)", "offset change")
     )
     note = f"{one.verdict}, temperature {warm}. ± is half of the 95 % interval"
     note += "." if first else "; changes: against the first; *: beyond 2 standard deviations."

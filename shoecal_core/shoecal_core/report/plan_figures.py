@@ -6,7 +6,7 @@ import numpy as np
 
 from shoecal_core.arrays import FloatArray
 from shoecal_core.report.figures.margins import margins
-from shoecal_core.report.figures.motion import SIDES, Skeleton, leg_keys, skeleton, snapshots
+from shoecal_core.report.figures.motion import BODY, SIDES, Skeleton, leg_keys, skeleton, snapshots
 from shoecal_core.report.figures.strips import Strip, strips
 from shoecal_core.report.figures.support_plan import support_plan
 from shoecal_core.report.page import Picture
@@ -110,5 +110,5 @@ def look_of(planned: PlannedMotion, joint: int) -> Look:
     model = planned.robot.model
     for side, foot in enumerate(planned.robot.feet):
         if joint + ROOT_JOINTS in list(model.supports[foot.joint]):
-            return Look(SIDES[side], 1.3)
-    return Look(SIDES[2], 1.3)
+            return SIDES[side]
+    return SIDES[BODY]

@@ -53,12 +53,15 @@ def left_out_in_time(runs: Sequence[RunSpan]) -> str:
         axes.grid(visible=False, axis="y")
         least = LEAST_SHOWN * (high - low)
         for row, run in enumerate(runs):
-            axes.barh(row, run.end - run.start, 0.5, left=run.start, color=RULE.light,
+            axes.barh(row, run.end - run.start, 0.6, left=run.start, color=RULE.light,
                       edgecolor="none")  # fmt: skip
             for cause, found in run.stretches.items():
+                # Each cause has a lane of its own, in the order of the legend.
+                lane = 0.6 / len(causes)
                 axes.broken_barh(
                     [(start, max(end - start, least)) for start, end in found],
-                    (row - 0.25, 0.5), facecolors=colours[cause].light, edgecolor="none",
+                    (row - 0.3 + lane * causes.index(cause), lane),
+                    facecolors=colours[cause].light, edgecolor="none",
                 )  # fmt: skip
         axes.set_xlim(low, high)
         axes.set_ylim(len(runs) - 0.4, -0.6)
@@ -124,7 +127,11 @@ def left_out_spans(screening: Screening, ends: Mapping[int, float]) -> Picture |
     shown = [run for run in runs if run.end > 0.0]
     if not shown:
         return None
-    return Picture("Samples left out, in time", left_out_in_time(shown))
+    return Picture(
+        "Samples left out, in time",
+        left_out_in_time(shown),
+        "Each cause has a lane of its own, from above as in the legend.",
+    )
 
 
 def cause_name(value: str) -> str:

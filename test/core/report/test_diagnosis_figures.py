@@ -18,7 +18,7 @@ from shoecal_core.report.figures.residual_field import (
     residual_fields,
 )
 from shoecal_core.report.figures.strips import Strip, strips
-from shoecal_core.report.palette import AFTER, BEFORE, BLUE
+from shoecal_core.report.palette import AFTER, BEFORE, PLAIN
 from shoecal_core.report.quantities import percent
 
 NOTHING = Field(np.empty((0, 2)), np.empty((0, 2)), np.empty(0))
@@ -31,7 +31,8 @@ def alt(svg: str) -> str:
 def test_shares_are_told() -> None:
     told = alt(
         named_bars(
-            [NamedBar("a", "46 %", 0.46, BLUE, "kind"), NamedBar("b", "140 %", 1.4, BLUE)], "Shares"
+            [NamedBar("a", "46 %", 0.46, PLAIN, "kind"), NamedBar("b", "140 %", 1.4, PLAIN)],
+            "Shares",
         )
     )
     assert told == "Shares: a 46 %; b 140 %."

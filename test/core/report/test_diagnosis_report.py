@@ -119,7 +119,7 @@ def test_nothing_found_nothing_missing() -> None:
     assert "where noise alone leaves" in text
     assert "it can also separate" in text
     assert "would have shown in this session" in text
-    assert "Nothing is left that another motion would part" in text
+    assert "No further motion would separate the candidates" in text
     assert "Which cause" not in text
 
 
@@ -130,7 +130,7 @@ def test_nothing_in_the_library_explains_it() -> None:
     answer = text[: text.index("Where the gap lies")]
     assert "--effects-from" in answer
     assert "Probable as against each other only" in text
-    assert "Nothing is left that another motion would part" not in text
+    assert "No further motion would separate the candidates" not in text
 
 
 def test_what_is_simulated_is_told_first() -> None:
@@ -147,7 +147,7 @@ def test_confused_and_no_motion_that_would_help() -> None:
         NamedHypothesis("low_pass", ("left",), 0.4),
     )
     text = text_of(diagnoses.diagnosis(None, "ambiguous", ambiguity=alike, next_motion=None))
-    assert "No motion was found that would part what is still confused" in text
+    assert "No motion was found that separates these candidates" in text
 
 
 def test_what_cannot_be_told_apart_and_why() -> None:

@@ -156,9 +156,10 @@ def test_bars_are_filled_for_training_and_empty_for_tests() -> None:
     text = list(root.itertext())
     for label in ("7.50", "23.00", "0.35", "GRF MAE (N)", "CoP MAE (mm)", "empty: test runs"):
         assert label in text
-    red = [e.get("style", "") for e in root.iter("path") if "var(--red)" in e.get("style", "")]
-    assert any("fill: none" in style for style in red)
-    assert any("fill: var(--red)" in style for style in red)
+    styles = [element.get("style", "") for element in root.iter("path")]
+    drawn = [style for style in styles if "var(--calibrated)" in style]
+    assert any("fill: none" in style for style in drawn)
+    assert any("fill: var(--calibrated)" in style for style in drawn)
 
 
 def test_many_bars_go_without_figures() -> None:

@@ -9,7 +9,7 @@ import pytest
 
 from shoecal_core.errors import ShoecalError
 from shoecal_core.report.figures.named_bars import NamedBar, named_bars
-from shoecal_core.report.palette import RED
+from shoecal_core.report.palette import CALIBRATED
 from shoecal_core.report.sheet import SheetFigure, sheet, write_sheet
 from shoecal_core.report.svg import WIDTH
 
@@ -17,7 +17,9 @@ SVG = "{http://www.w3.org/2000/svg}"
 
 
 def part(title: str, *notes: str) -> SheetFigure:
-    return SheetFigure(title, named_bars([NamedBar("a", "3 mm", 1.0, RED)], "Sources"), notes)
+    return SheetFigure(
+        title, named_bars([NamedBar("a", "3 mm", 1.0, CALIBRATED)], "Sources"), notes
+    )
 
 
 def read(document: str) -> ElementTree.Element:

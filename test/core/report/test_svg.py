@@ -14,7 +14,7 @@ def figure(label: str = "a", points: int = 50) -> str:
         axes = page.panel(10.0, 80.0)
         x = np.linspace(0.0, 1.0, points)
         draw_line(axes, x, np.sin(9.0 * x), palette.TRUTH)
-        axes.plot((0.1, 0.2), (0.1, 0.2), "o", color=palette.RED.light)
+        axes.plot((0.1, 0.2), (0.1, 0.2), "o", color=palette.CALIBRATED.light)
         axes.set_title(label)
         page.legend([line_key(palette.GUESS, label)])
         return page.svg(f"A figure of {readable(label)}.")
@@ -27,7 +27,7 @@ def test_a_figure_lives_in_a_page() -> None:
     assert "width" not in root.attrib
     for colour in palette.COLOURS:
         assert colour.light not in svg
-    assert "var(--blue)" in svg
+    assert "var(--truth)" in svg
     assert "font-family" not in svg
     assert "<style" not in svg
     assert not root.findall(".//metadata")
@@ -54,7 +54,7 @@ def test_long_lines_stay_small() -> None:
         draw_line(page.panel(10.0, 80.0), x, noise, palette.TRUTH)
         svg = page.svg("Noise with a gap.")
     (drawn,) = (one.get("d", "") for one in read_svg(svg).iter("path")
-                if "var(--blue)" in one.get("style", ""))  # fmt: skip
+                if "var(--truth)" in one.get("style", ""))  # fmt: skip
     assert drawn.count("M") == 2
     assert len(svg) < 60_000
 

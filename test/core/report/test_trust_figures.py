@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from core.report.pages import read_svg
 from shoecal_core.report.figures.named_bars import NamedBar, named_bars
-from shoecal_core.report.palette import RED
+from shoecal_core.report.palette import PLAIN
 from shoecal_core.report.screening_parts import RunSpan, left_out_in_time
 
 
 def test_error_sources_by_name() -> None:
-    bars = [NamedBar("zeros of joints", "12 mm", 1.0, RED), NamedBar("x" * 90, "0 mm", 0.0, RED)]
+    long = NamedBar("x" * 90, "0 mm", 0.0, PLAIN)
+    bars = [NamedBar("zeros of joints", "12 mm", 1.0, PLAIN), long]
     root = read_svg(named_bars(bars, "Sources"))
     assert {"zeros of joints", "12 mm"} <= set(root.itertext())
     assert root.attrib["aria-label"].startswith("Sources: zeros of joints 12 mm; x")

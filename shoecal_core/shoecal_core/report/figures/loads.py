@@ -19,7 +19,7 @@ from shoecal_core.report.figures.feet import (
     from_above,
     polygon_key,
 )
-from shoecal_core.report.palette import BLUE, INK, MUTED, SOLE, STEPS, Colour, Look
+from shoecal_core.report.palette import CALIBRATED, INK, MUTED, SOLE, STEPS, Colour, Look
 from shoecal_core.report.svg import area_key, canvas, line_key, marker_key, y_label
 
 MARKERS = "os^DvPX"
@@ -63,12 +63,12 @@ def forces_under_loads(loads: KnownLoads) -> str:
     order = np.argsort(loads.masses, kind="stable")
     number = np.arange(1, len(order) + 1)
     force, expected = loads.force[order], loads.expected_force[order]
-    colour = BLUE.light
+    colour = CALIBRATED.light
     with canvas(276.0) as page:
         page.legend(
             [
                 line_key(Look(INK, 1.4), "weight"),
-                marker_key("o", BLUE, "measured, one circle a hole", 4.0),
+                marker_key("o", CALIBRATED, "measured, one circle a hole", 4.0),
             ],
             left=LEFT - 6.0,
         )

@@ -8,7 +8,7 @@ import numpy as np
 
 from shoecal_core.planning.checking.findings import ConstraintMargin
 from shoecal_core.report.figures.named_bars import NamedBar, named_bars
-from shoecal_core.report.palette import FAIL, TEAL
+from shoecal_core.report.palette import FAIL, PLAIN
 from shoecal_core.report.quantities import SPACE, number
 from shoecal_core.report.svg import readable
 
@@ -50,7 +50,7 @@ def margin_text(finding: ConstraintMargin) -> str:
 def margins(findings: Sequence[ConstraintMargin]) -> str:
     """One bar a constraint, tightest first; its name, value and limit stand above it."""
     bars = [
-        NamedBar(short_name(one), margin_text(one), used(one), TEAL if one.kept else FAIL,
+        NamedBar(short_name(one), margin_text(one), used(one), PLAIN if one.kept else FAIL,
                  "part of the limit used" if one.kept else "violated")
         for one in sorted(findings, key=used, reverse=True)
     ]  # fmt: skip
@@ -65,6 +65,7 @@ def short_name(finding: ConstraintMargin) -> str:
         "distance from joint limits": "joint limits",
         "drift of the way between the feet": "feet drift apart",
         "drift of the turn between the feet": "feet turn",
+        "lever of the weight from the edge of a sole": "weight from the sole's edge",
         "shift of the CoP by acceleration": "CoP shift by acceleration",
         "way while holding still": "moves while holding still",
     }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pinocchio as pin
@@ -12,12 +12,12 @@ from matplotlib.lines import Line2D
 
 from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.errors import ShapeError
-from shoecal_core.report.palette import BLUE, MUTED, RED, RULE, SLATE, Colour
-from shoecal_core.report.svg import SMALL, WIDTH, canvas
+from shoecal_core.report.palette import FEET, MUTED, PLAIN, RULE, Look
+from shoecal_core.report.svg import SMALL, WIDTH, canvas, draw_line, line_key
 from shoecal_core.robot.robot import Robot
 
 LEFT_SIDE, RIGHT_SIDE, BODY = 0, 1, 2
-SIDES: tuple[Colour, ...] = (BLUE, RED, SLATE)
+SIDES: tuple[Look, ...] = (*FEET, Look(PLAIN, 1.3))
 LIFTED = 0.01
 """m; a sole further above the other than this does not stand."""
 ROOT = 1
@@ -132,11 +132,10 @@ def _draw(axes: Axes, body: Skeleton, across: int, shift: float) -> None:
         breaks = np.full((len(bones), 1, 2), np.nan)
         x, y = np.concatenate((bones, breaks), axis=1).reshape(-1, 2).T
         width = 1.6 if side == BODY else 2.2
-        (line,) = axes.plot(x + shift, y, color=SIDES[side].light, linewidth=width)
-        line.set_solid_capstyle("round")
+        draw_line(axes, x + shift, y, replace(SIDES[side], width=width))
     for side, sole in enumerate(body.soles):
-        axes.fill(sole[:, across] + shift, sole[:, 2], facecolor=SIDES[side].light,
-                  edgecolor=SIDES[side].light, linewidth=1.6)  # fmt: skip
+        axes.fill(sole[:, across] + shift, sole[:, 2], facecolor=SIDES[side].colour.light,
+                  edgecolor=SIDES[side].colour.light, linewidth=1.6)  # fmt: skip
     x, height = body.com[across] + shift, body.com[2]
     axes.plot((x, x), (0.0, height), color=MUTED.light, linewidth=0.8, linestyle=(0, (3, 2)))
     axes.plot((x,), (height,), "o", color=MUTED.light, markersize=5.0)
@@ -145,7 +144,7 @@ def _draw(axes: Axes, body: Skeleton, across: int, shift: float) -> None:
 def leg_keys() -> list[Line2D]:
     """Legend entries of both legs."""
     return [
-        Line2D([], [], color=SIDES[side].light, linewidth=2.2, label=label)
+        line_key(replace(SIDES[side], width=2.2), label)
         for side, label in ((LEFT_SIDE, "left leg"), (RIGHT_SIDE, "right leg"))
     ]
 

@@ -20,7 +20,7 @@ from shoecal_core.report.figures.feet import (
     from_above,
     shape_keys,
 )
-from shoecal_core.report.palette import BLUE, INK, MUTED, SOLE, Look
+from shoecal_core.report.palette import INK, MUTED, PLAIN, SOLE, Look
 from shoecal_core.report.svg import SMALL, Canvas, line_key, readable
 
 LONGEST_MM = 20.0
@@ -140,8 +140,8 @@ def _bubbles(axes: Axes, field: Field, largest: float, scale: float) -> None:
     """Areas are in proportion to forces."""
     x, y = 1e3 * field.places.T
     sizes = np.abs(field.force) / largest * (BUBBLE_MM * scale) ** 2
-    for chosen, face in ((field.force >= 0.0, BLUE.light), (field.force < 0.0, "none")):
-        axes.scatter(y[chosen], x[chosen], s=sizes[chosen], facecolor=face, edgecolor=BLUE.light,
+    for chosen, face in ((field.force >= 0.0, PLAIN.light), (field.force < 0.0, "none")):
+        axes.scatter(y[chosen], x[chosen], s=sizes[chosen], facecolor=face, edgecolor=PLAIN.light,
                      linewidth=0.7, alpha=0.55, zorder=2.0)  # fmt: skip
 
 

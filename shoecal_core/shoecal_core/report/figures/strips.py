@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 
 from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError
-from shoecal_core.report.palette import FAIL, INK, MUTED, RULE, SOLE, WARN, Look
+from shoecal_core.report.palette import FAIL, INK, MUTED, ONSET, RULE, SOLE, Look
 from shoecal_core.report.svg import LINE, SMALL, WIDTH, canvas, draw_line, readable
 
 GAP, BOTTOM = 5.0, 36.0
@@ -119,7 +119,6 @@ def _draw(axes: Axes, row: Strip, top: float, tall: float) -> None:
         axes.plot(row.time[row.worst], height(row.lines[0][1])[row.worst], "o", markersize=3.0,
                   color=(INK if row.kept else FAIL).light, clip_on=False)  # fmt: skip
     for onset in row.onsets:
-        axes.plot((onset, onset), (top - GAP / 2.0, top + tall + GAP / 2.0), color=WARN.light,
-                  linewidth=1.6, dashes=(2.0, 1.0), clip_on=False)  # fmt: skip
+        draw_line(axes, np.array((onset, onset)), np.array((top, top + tall)), ONSET)
         axes.annotate(f"{onset:.1f} s", (onset, top), (3.0, -6.0), textcoords="offset points",
                       fontsize=SMALL, color=INK.light)  # fmt: skip

@@ -21,7 +21,7 @@ from shoecal_core.report.figures.feet import (
     from_above,
     polygon_key,
 )
-from shoecal_core.report.palette import CARD, FAIL, INK, MUTED, SLATE, SOLE, STEPS, Look
+from shoecal_core.report.palette import CARD, FAIL, INK, MODEL, MUTED, SOLE, STEPS, Look
 from shoecal_core.report.plan_content import BOTH, PlannedMotion, Stand
 from shoecal_core.report.svg import (
     SMALL,
@@ -35,7 +35,7 @@ from shoecal_core.report.svg import (
 )
 from shoecal_core.shoe.shoe import FEET
 
-HULL, SWING = Look(SLATE, 1.1, (4.0, 2.0)), Look(MUTED, 1.4, (1.5, 1.5))
+HULL, SWING = Look(MODEL, 1.1, (4.0, 2.0)), Look(MUTED, 1.4, (1.5, 1.5))
 ROOM = 0.05
 """Around the feet, as part of what is shown."""
 LABEL, LINE, LETTER = 15.0, 4.0, 3.0

@@ -43,7 +43,7 @@ def tracks(channels: Sequence[ChannelTrack], across: str, upwards: str) -> str:
     keys = [
         Line2D([], [], marker=MARKERS[index % len(MARKERS)], markersize=4.5,
                linewidth=0.0 if one.std is None else 1.0, markerfacecolor="none",
-               color=STEPS[3 * index % len(STEPS)].light, label=readable(one.label, 24))
+               color=STEPS[2 * index % len(STEPS)].light, label=readable(one.label, 24))
         for index, one in enumerate(channels)
     ]  # fmt: skip
     top = LINE * -(-len(keys) // PER_LINE) + 8.0
