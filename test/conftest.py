@@ -27,6 +27,8 @@ def pytest_configure(config: pytest.Config) -> None:
     # A shell's background jobs ignore interrupts, and so would every program under test.
     if threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGINT, signal.default_int_handler)
+    # A library that reads lines sets it: what is piped must not depend on who asks.
+    os.environ.pop("COLUMNS", None)
     domain, config.stash[_reservation] = _reserve_domain()
     os.environ["ROS_DOMAIN_ID"] = str(domain)
     os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"

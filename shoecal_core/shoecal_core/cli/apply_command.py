@@ -14,6 +14,7 @@ from rich.console import Console
 from shoecal_core.arrays import FloatArray
 from shoecal_core.cli.arguments import add_force, add_rezero
 from shoecal_core.cli.progress import shown_progress
+from shoecal_core.cli.prose import say
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import atomic_write, make_folder
 from shoecal_core.recording.session import Session
@@ -62,9 +63,9 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
             known = int(np.isfinite(found.cop).all(axis=1).sum())
             rows.append({"run": entry.run, "file": str(file), "samples": len(found.time),
                          "with_cop": known})  # fmt: skip
-            console.print(
+            say(
+                console,
                 f"{file}: {len(found.time)} samples, {known} of them with a CoP of both feet",
-                markup=False,
             )
     return {"calibration": calibration.id, "runs": rows}
 

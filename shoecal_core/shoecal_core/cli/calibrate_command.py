@@ -20,6 +20,7 @@ from shoecal_core.cli.arguments import (
     settings_of,
 )
 from shoecal_core.cli.assessment_table import screening_table, trust_lines
+from shoecal_core.cli.prose import say
 from shoecal_core.cli.tables import errors_table, new_table, of_page, print_table, stages_rows
 from shoecal_core.cli.usable import require_usable
 from shoecal_core.cli.zeros_table import weight_json, weight_line, zeros_table
@@ -85,7 +86,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         session, args.train, args.test, settings, tolerances,
         manual=manual, weight_kg=args.weight_kg, rezero=args.rezero,
     )  # fmt: skip
-    console.print(weight_line(outcome.data.weighed, outcome.data.robot), soft_wrap=True)
+    say(console, weight_line(outcome.data.weighed, outcome.data.robot))
     print_table(console, errors_table(_against(outcome), stages_rows(outcome.modelled)))
     _print_channels(outcome, console)
     if zeros := outcome.zeros:
@@ -102,10 +103,8 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         write_session_report(args.report, session, outcome)
     figures = to_json(outcome)
     require_usable(calibration, figures, console)
-    console.print(f"{args.out}")
-    console.print(
-        after_calibration(calibration.verdict, str(args.out)), markup=False, soft_wrap=True
-    )
+    say(console, f"{args.out}")
+    say(console, after_calibration(calibration.verdict, str(args.out)))
     return figures
 
 
@@ -186,14 +185,14 @@ def _print_deviations(outcome: CalibrationOutcome, console: Console) -> None:
         if one.deviation.run is None and abs(one.value) > SURE * one.std
     ]
     listed = "; ".join(sure) or "none"
-    console.print(f"  differs from the files (significant): {listed}", markup=False, soft_wrap=True)
+    say(console, f"  differs from the files (significant): {listed}")
 
 
 def _print_trust(outcome: CalibrationOutcome, console: Console) -> None:
     console.print()
     print_table(console, of_page(expected_table(outcome.assessment)))
     for line in trust_lines(outcome.assessment, outcome.screening):
-        console.print(f"  {line}", markup=False)
+        say(console, f"  {line}")
     if outcome.screening.left_out and outcome.screening.findings:
         console.print()
         print_table(console, screening_table(outcome.screening))
@@ -217,4 +216,4 @@ def _print_channels(outcome: CalibrationOutcome, console: Console) -> None:
         )
     print_table(console, table)
     late = uncertain(1e3 * calibration.time_offset, 1e3 * half[-1], "ms")
-    console.print(f"  time offset (joints after readings) {late}")
+    say(console, f"  time offset (joints after readings) {late}")

@@ -18,6 +18,7 @@ from shoecal_core.cli.arguments import (
     settings_of,
 )
 from shoecal_core.cli.assessment_table import screening_table
+from shoecal_core.cli.prose import say
 from shoecal_core.cli.tables import TEXT, new_table, of_page, print_table, verdict_line
 from shoecal_core.cli.zeros_table import weight_json, weight_line, zeros_table
 from shoecal_core.error_sources.tolerances import Tolerances
@@ -55,7 +56,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     entries = [entry for entry in session.runs if entry.run in data.runs]
     if entries:
         print_table(console, _table(session, entries, data.runs))
-    console.print(weight_line(data.weighed, data.robot), soft_wrap=True)
+    say(console, weight_line(data.weighed, data.robot))
     if checked.zeros:
         print_table(console, zeros_table(checked.zeros))
     if outcome is not None:
@@ -64,7 +65,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         print_table(console, screening_table(screening))
     for verdict, lines in (("FAIL", checked.problems), ("WARN", checked.warnings)):
         for line in lines:
-            console.print(verdict_line(verdict, line), soft_wrap=True)
+            say(console, verdict_line(verdict, line))
     if args.report is not None:
         # Matplotlib takes a second to load, which most calls need not wait for.
         from shoecal_core.report.check_report import CheckReport, check_report  # noqa: PLC0415
@@ -91,8 +92,8 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         )
     summary = "fit for use, with the warnings above" if checked.warnings else "fit for use"
     verdict = "WARN" if checked.warnings else "PASS"
-    console.print(verdict_line(verdict, summary))
-    console.print(after_check(verdict, str(session.folder)), markup=False, soft_wrap=True)
+    say(console, verdict_line(verdict, summary))
+    say(console, after_check(verdict, str(session.folder)))
     return figures
 
 

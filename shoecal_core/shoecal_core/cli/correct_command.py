@@ -16,6 +16,7 @@ from shoecal_core.cli.arguments import (
     settings_of,
 )
 from shoecal_core.cli.progress import shown_progress
+from shoecal_core.cli.prose import say
 from shoecal_core.cli.tables import new_table, print_table
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import FileTakenError, ShoecalError
@@ -75,7 +76,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         print_table(console, _table("By the diagnosis", corrected.found))
         before, after = found.cop_mae_mm
         compared = f"{before:.2f} mm before, {after:.2f} mm after, on test runs of the diagnosis"
-        console.print(f"CoP against the model: {compared}", markup=False, soft_wrap=True)
+        say(console, f"CoP against the model: {compared}")
         written = _write(args.out, corrected, found.left, console)
         return written | {"before": {"cop_mae_mm": before}, "after": {"cop_mae_mm": after}}
     settings = settings_of(CalibrationSettings, args.settings, "calibration")
@@ -95,7 +96,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     )
     before, after = (1e3 * errors.cop.mean for errors in (robot.before, robot.after))
     compared = f"{before:.2f} mm before, {after:.2f} mm after, on runs that were not fitted"
-    console.print(f"CoP against the model: {compared}", markup=False, soft_wrap=True)
+    say(console, f"CoP against the model: {compared}")
     if not robot.better:
         raise ShoecalError(f"nothing written, the robot's files are better as they are: {compared}")
     return _write(args.out, robot.corrected, (), console) | {
@@ -112,9 +113,9 @@ def _write(
     make_folder(out)
     for name, text in corrected.files.items():
         atomic_write(out / name, text)
-        console.print(f"wrote {out / name}", markup=False, soft_wrap=True)
+        say(console, f"wrote {out / name}")
     for line in (*left, *corrected.left):
-        console.print(f"left out: {line}", markup=False, soft_wrap=True)
+        say(console, f"left out: {line}")
     return {
         "files": [str(out / name) for name in corrected.files],
         "left_out": [*left, *corrected.left],

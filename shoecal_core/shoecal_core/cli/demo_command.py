@@ -18,6 +18,7 @@ from typing import cast
 from rich.console import Console
 
 from shoecal_core.cli.arguments import add_shoe, length_mm, seed_number, shoe_file
+from shoecal_core.cli.prose import say
 from shoecal_core.end_with_parent import ending_with_parent
 from shoecal_core.errors import ShoecalError, ToldError
 from shoecal_core.files import read_bytes
@@ -54,7 +55,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     config = config_dir()
     robot = args.robot or config / "robots" / "nao.yaml"
     shoe = shoe_file(args, robot)
-    console.print(f"{robot} with {shoe}")
+    say(console, f"{robot} with {shoe}")
     command = [
         sys.executable, "-m", "shoecal_ros.demo",
         "--seed", str(args.seed),
@@ -80,5 +81,5 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         raise
     if code != 0:
         raise ToldError
-    console.print(f"{args.out / 'report.html'}")
+    say(console, f"{args.out / 'report.html'}")
     return cast(Mapping[str, object], json.loads(read_bytes(args.out / "result.json")))

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from rich.console import Console
 from rich.table import Table
 
+from shoecal_core.cli.prose import say
 from shoecal_core.cli.tables import TEXT, new_table, print_table
 from shoecal_core.diagnosis.budget import LEAST_SHARE
 from shoecal_core.diagnosis.result import VERDICT_TEXTS, Diagnosis, Size
@@ -36,20 +37,20 @@ def print_diagnosis(
 ) -> None:
     """Verdict, gap, causes, what stays open, and what to do next."""
     for line in _answer(diagnosis):
-        console.print(line, markup=False, soft_wrap=True)
+        say(console, line)
     for line in diagnosis.dissent:
-        console.print(f"but: {line}", markup=False, soft_wrap=True)
+        say(console, f"but: {line}")
     for line in _gap(diagnosis, calibrated):
-        console.print(f"  {line}", markup=False)
+        say(console, f"  {line}")
     if diagnosis.causes:
         console.print()
         print_table(console, causes_table(diagnosis))
     if len(diagnosis.ambiguity) > 1:
         alike = "; ".join(f"{one.label} {percent(one.probability)}" for one in diagnosis.ambiguity)
-        console.print(f"not separable: {alike}", markup=False, soft_wrap=True)
+        say(console, f"not separable: {alike}")
     if made_of := [one for one in diagnosis.budget if abs(one.cop_share) >= LEAST_SHARE]:
         shares = ", ".join(f"{one.label} {percent(one.cop_share)}" for one in made_of)
-        console.print(f"the CoP's gap is made of: {shares}", markup=False, soft_wrap=True)
+        say(console, f"the CoP's gap is made of: {shares}")
     unseen = [_PLACES.sub(r"\1", one) for one in diagnosis.cannot_detect]
     lines = [(f"could not be seen here ({len(unseen)})", "; ".join(unseen))]
     if diagnosis.next_motion is not None:
@@ -58,7 +59,7 @@ def print_diagnosis(
     lines += [("note", note) for note in diagnosis.notes]
     for name, text in lines:
         if text:
-            console.print(f"{name}: {text}", markup=False, soft_wrap=True)
+            say(console, f"{name}: {text}")
 
 
 def causes_table(diagnosis: Diagnosis) -> Table:

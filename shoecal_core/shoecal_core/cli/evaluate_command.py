@@ -15,6 +15,7 @@ from pathlib import Path
 from rich.console import Console
 
 from shoecal_core.cli.arguments import add_force, add_rezero, add_sets, add_weight
+from shoecal_core.cli.prose import say
 from shoecal_core.cli.tables import (
     errors_table,
     left_out_lines,
@@ -90,7 +91,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         assert calibration is not None
         for named in filter(None, (calibration, reference)):
             if note := version_note(named, session):
-                console.print(f"Note: {note}.", markup=False)
+                say(console, f"Note: {note}.")
         one = evaluate_session(
             session, calibration, reference, args.train, args.test,
             rezero=args.rezero, weight_kg=args.weight_kg,
@@ -133,12 +134,12 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
 def _print_verdicts(evaluated: Sequence[Evaluated], console: Console) -> None:
     """Weight, zeros and verdict of each session."""
     for one in evaluated:
-        console.print(weight_line(one.weighed, one.robot), soft_wrap=True)
+        say(console, weight_line(one.weighed, one.robot))
         if one.zeros:
             print_table(console, zeros_table(one.zeros))
         for reason in one.verdict.reasons:
             level, text = split_reason(reason, one.verdict.verdict)
-            console.print(verdict_line(level, text), soft_wrap=True)
+            say(console, verdict_line(level, text))
 
 
 def _open(folders: Sequence[Path], *, force: bool) -> list[Session]:
@@ -219,4 +220,4 @@ def _print(runs: Sequence[ComparedRun], console: Console) -> None:
         rows.append((f"{where}run {one.run}, {one.set}", errors_of([one], MEASURED, best)))
     print_table(console, errors_table(f"Calibration against {NAMES[best]}, run by run", rows))
     for line in left_out_lines(rows, feet=best != MODELLED):
-        console.print(line, markup=False)
+        say(console, line)

@@ -9,6 +9,7 @@ from pathlib import Path
 from rich.console import Console
 
 from shoecal_core.cli.arguments import add_json, add_shoe, require_folder, shoe_file
+from shoecal_core.cli.prose import say
 from shoecal_core.errors import FileMissingError, FileTakenError, FileUnreadableError
 from shoecal_core.files import atomic_write
 from shoecal_core.recording.bag_draft import draft_mapping, mapping_text
@@ -67,10 +68,10 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
 
 def _report(session: Session, out: Path, console: Console) -> Mapping[str, object]:
     entries = session.runs
-    console.print(f"{out}: {len(entries)} runs of robot '{session.robot}'", markup=False)
+    say(console, f"{out}: {len(entries)} runs of robot '{session.robot}'")
     for entry in entries:
         for note in entry.info.notes:
-            console.print(f"  run {entry.run}: {note}", markup=False, soft_wrap=True)
+            say(console, f"  run {entry.run}: {note}")
     return {
         "session": str(out),
         "robot": session.robot,
@@ -99,19 +100,17 @@ def _draft(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         ) from error
     text = mapping_text(draft, args.out.absolute().parent, args.robot, robot.urdf, shoe.path)
     atomic_write(args.out, text)
-    console.print(f"{args.out}: drafted; check it:", markup=False, soft_wrap=True)
+    say(console, f"{args.out}: drafted; check it:")
     for key, match in draft.fields.items():
         topics = ", ".join(match.topics)
         line = f"  {key}: {topics}" if match.chosen else f"  {key}: CHOOSE one of {topics}"
-        console.print(line, markup=False, soft_wrap=True)
+        say(console, line)
         for note in match.notes:
-            console.print(f"    {note}", markup=False, soft_wrap=True)
+            say(console, f"    {note}")
     for note in draft.notes:
-        console.print(f"  {note}", markup=False, soft_wrap=True)
+        say(console, f"  {note}")
     folder = args.bags[0].absolute().parent
-    console.print(
-        f"Then: shoecal import bag {args.out} {folder} --out SESSION", markup=False, soft_wrap=True
-    )
+    say(console, f"Then: shoecal import bag {args.out} {folder} --out SESSION")
     return {
         "mapping": str(args.out),
         "fields": {

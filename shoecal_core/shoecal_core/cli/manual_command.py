@@ -22,6 +22,7 @@ from shoecal_core.cli.arguments import (
 from shoecal_core.cli.manual_guide import guide_person
 from shoecal_core.cli.manual_guide_streams import FrameStream, driver_stream, file_stream
 from shoecal_core.cli.manual_tables import cells_to_json, manual_to_json
+from shoecal_core.cli.prose import say
 from shoecal_core.cli.tables import of_page, print_table
 from shoecal_core.cli.usable import require_usable
 from shoecal_core.errors import FileMissingError, ShoecalError
@@ -296,9 +297,9 @@ def _write(
     """Save it, and say what follows; one with the verdict FAIL is not written."""
     require_usable(calibration, figures, console)
     save_calibration(calibration, out)
-    console.print(f"{out}")
+    say(console, f"{out}")
     if following is not None:
-        console.print(following(calibration.verdict, str(out)), markup=False, soft_wrap=True)
+        say(console, following(calibration.verdict, str(out)))
 
 
 def _shown_cell(shoe: Shoe, load: Load, readings: FloatArray) -> str:

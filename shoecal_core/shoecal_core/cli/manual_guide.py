@@ -16,6 +16,7 @@ from rich.console import Console
 from shoecal_core.arrays import FloatArray
 from shoecal_core.cli.manual_guide_frames import LineProblem
 from shoecal_core.cli.manual_guide_streams import FrameStream
+from shoecal_core.cli.prose import say
 from shoecal_core.errors import ShoecalError
 from shoecal_core.manual.guide import Guide, GuidePhase, Key
 from shoecal_core.manual.loads import Load
@@ -192,7 +193,7 @@ class _Session:
 
     def _say(self, text: str) -> None:
         self._live("")
-        self._console.print(text, markup=False, soft_wrap=True)
+        say(self._console, text)
 
     def _live(self, text: str) -> None:
         """Rewrite the line that the cursor stands in."""

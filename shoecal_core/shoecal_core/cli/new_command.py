@@ -9,6 +9,7 @@ from pathlib import Path
 
 from rich.console import Console
 
+from shoecal_core.cli.prose import say
 from shoecal_core.drafting.draft import draft_robot, prove, relative
 from shoecal_core.drafting.mjcf import as_urdf
 from shoecal_core.drafting.notes import Note, robot_notes, shoe_notes
@@ -103,13 +104,12 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         notes = {urdf: [*converted.assumed], **notes}
     for file, to_check in notes.items():
         _print_notes(console, file, to_check)
-    console.print(
+    say(
+        console,
         f"{reality}: drafted for a robot of this size\n"
         f"Then: shoecal plan {out} --shoe {shoe} --supports 1 --out out/plan\n"
         f"      shoecal simulate {out} {shoe} --reality {reality} --out out/session\n"
         "      shoecal calibrate out/session --out out/calibration.yaml",
-        markup=False,
-        soft_wrap=True,
     )
     return {
         "robot": str(out),
@@ -140,7 +140,7 @@ def _sole(numbers: Sequence[float] | None) -> SoleSize | None:
 
 
 def _print_notes(console: Console, file: Path, notes: Sequence[Note]) -> None:
-    console.print(f"{file}: drafted; check, line by line:", markup=False, soft_wrap=True)
+    say(console, f"{file}: drafted; check, line by line:")
     for note in notes:
         line = f"  {note.field}: {note.found} Check: {note.look}"
-        console.print(line, markup=False, soft_wrap=True)
+        say(console, line)

@@ -14,6 +14,7 @@ from rich.console import Console
 from shoecal_core.cli.arguments import add_shoe, refuse_exchanged, shoe_file
 from shoecal_core.cli.planning_arguments import add_planning, chosen_supports, planner_settings
 from shoecal_core.cli.progress import shown_progress
+from shoecal_core.cli.prose import say
 from shoecal_core.errors import FileTakenError, PartialError, ShoecalError
 from shoecal_core.files import atomic_write, make_folder, system_error
 from shoecal_core.planning.checking.check import check_motion
@@ -99,7 +100,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     file = shoe_file(args, args.robot)
     shoe = load_shoe(file)
     robot = load_robot(args.robot, shoe)
-    console.print(f"{args.robot} with {file}", markup=False, soft_wrap=True)
+    say(console, f"{args.robot} with {file}")
     if args.out.exists() and not args.out.is_dir():
         raise FileTakenError(args.out, "is a file; name a folder")
     with shown_progress() as progress:
@@ -117,7 +118,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
             progress("drawing what was planned", 1.0)
             write_plan(args.out, plan.motions, plan.unplanned, known)
     if plan.motions:
-        console.print(f"{args.out / PAGE}: pictures and animations of all motions")
+        say(console, f"{args.out / PAGE}: pictures and animations of all motions")
     figures: dict[str, object] = {
         "robot": robot.name,
         "shoe": shoe.name,
@@ -173,7 +174,7 @@ class _Plan:
         self._say(_line(planned, file, seconds))
 
     def _say(self, line: str) -> None:
-        self._console.print(line, markup=False, soft_wrap=True)
+        say(self._console, line)
 
 
 def _unplanned_row(one: Unplanned) -> dict[str, object]:
@@ -222,11 +223,12 @@ def _known(
     """Print and return what a calibration from the planned motions would identify."""
     visits = [planned.motion.visit for planned in plan.motions]
     known = identifiability(robot, shoe, total_information(robot, shoe, visits), settings)
-    console.print(
-        f"a calibration from them would identify {known.rank} of {known.possible} directions"
+    say(
+        console,
+        f"a calibration from them would identify {known.rank} of {known.possible} directions",
     )
     for line in weak_lines(known):
-        console.print(line, soft_wrap=True)
+        say(console, line)
     return known
 
 

@@ -18,6 +18,7 @@ from rich.markup import escape
 import shoecal_core.one_thread  # noqa: F401  (before anything that loads numpy)
 from shoecal_core.cli.parsers import COMMANDS, command_line
 from shoecal_core.cli.progress import still_working
+from shoecal_core.cli.prose import output
 from shoecal_core.cli.suggestions import nearest_file
 from shoecal_core.errors import (
     FileError,
@@ -31,8 +32,6 @@ from shoecal_core.files import atomic_write
 
 STEPLESS = ("calibrate", "check", "evaluate", "import")
 """Commands that take long and name no steps."""
-PIPE_WIDTH = 140
-"""Columns of what is piped or written to a file."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -47,7 +46,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         try:
             with still_working(args.name) if args.name in STEPLESS else nullcontext():
-                figures = args.command.run(args, _output())
+                figures = args.command.run(args, output())
             _write(args.json, figures)
         except ShoecalError as error:
             with suppress(FileError):  # where this file is the faulty one, it is reported below
@@ -77,12 +76,6 @@ def _why(error: ShoecalError) -> dict[str, object]:
     if isinstance(error, FileError):
         content |= {"file": str(error.path), "field": error.field}
     return {**figures, "error": content}
-
-
-def _output() -> Console:
-    """Standard output; wide enough for every table where it is no terminal."""
-    console = Console(highlight=False)
-    return console if console.is_terminal else Console(highlight=False, width=PIPE_WIDTH)
 
 
 def _meant(error: ShoecalError) -> str:

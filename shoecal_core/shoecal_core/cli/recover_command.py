@@ -8,6 +8,7 @@ from pathlib import Path
 
 from rich.console import Console
 
+from shoecal_core.cli.prose import say
 from shoecal_core.errors import FileMissingError, ShoecalError
 from shoecal_core.recording.recover import recover, recovered_path
 from shoecal_core.recording.session import Session
@@ -46,7 +47,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
 
 def _rescued(path: Path, out: Path, console: Console) -> Mapping[str, object]:
     report = recover(path, out)
-    console.print(str(report))
+    say(console, str(report))
     return {
         "out": str(report.out),
         "run": report.info.run,

@@ -17,6 +17,7 @@ from shoecal_core.cli.planning_arguments import (
     planner_settings,
 )
 from shoecal_core.cli.progress import shown_progress
+from shoecal_core.cli.prose import say
 from shoecal_core.planning.motion_sets import MOTION_SETS, PlannedRun, listed_runs, set_runs
 from shoecal_core.recording.session import require_free
 from shoecal_core.robot.double_support import DoubleSupport
@@ -95,7 +96,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         for entry in session.runs
         if (support := entry.info.support) is not None
     ]
-    console.print(f"{args.out}: {len(runs)} simulated runs")
+    say(console, f"{args.out}: {len(runs)} simulated runs")
     return {
         "session": str(args.out),
         "seed": plan.seed,

@@ -8,11 +8,10 @@ from rich.box import SIMPLE_HEAD
 from rich.cells import cell_len
 from rich.console import Console, OverflowMethod
 from rich.markup import escape
-from rich.measure import Measurement
-from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
+from shoecal_core.cli.prose import UNBOUNDED, say
 from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.estimation.series import Errors, Mae
 from shoecal_core.report.page import Table as PageTable
@@ -28,7 +27,10 @@ TEXT_WIDTH = 24
 """Columns of a terminal that such a column takes at least, where its texts are longer."""
 EMPTY = ("-", UNKNOWN)
 """Cells that say nothing: left out where a table is shown row by row."""
-UNBOUNDED = 10_000
+PIPE_WIDTH = 140
+"""Columns of a table that is piped or written to a file."""
+BETWEEN = 3
+"""Columns that a table takes for each of its own, next to its text."""
 WRITTEN = {"grf": ("GRF", "N", 3), "cop": ("CoP", "mm", 2)}
 """Quantities, their units and decimals of a small difference, by their names in result files."""
 
@@ -46,14 +48,14 @@ def reason_lines(calibration: Calibration) -> list[Text]:
 
 def new_table(title: str) -> Table:
     """An empty table in the one style of all commands."""
-    return Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
+    return Table(title=title, box=SIMPLE_HEAD, pad_edge=False)
 
 
 def of_page(page: PageTable) -> Table:
     """A table of the reports, which a terminal shows with the same values, without its note."""
     table = new_table(page.title)
     for number, heading in enumerate(page.header):
-        table.add_column(heading, justify="right" if number else "left", no_wrap=True)
+        table.add_column(heading, justify="right" if number else "left")
     for row in page.rows:
         table.add_row(*map(escape, row))
     return table
@@ -62,39 +64,61 @@ def of_page(page: PageTable) -> Table:
 def print_table(console: Console, table: Table) -> None:
     """Print a table, or what it holds row by row where the terminal is too narrow for it.
 
-    No figure is ever cut or broken: only columns with the overflow TEXT wrap.
+    No figure is ever cut or broken: only columns with the overflow TEXT wrap, between words.
     """
-    for column in table.columns:
-        column.no_wrap = column.overflow != TEXT
-    if _needed(console, table) <= console.width:
-        console.print(table)
-        return
-    if table.title:
-        console.print(table.title, style="italic", markup=False)
+    title, table.title = str(table.title or ""), None
+    if title:
+        say(console, Text(title, "italic"))
+    # Where lines have no bound, texts in columns have one.
+    width = PIPE_WIDTH if console.width >= UNBOUNDED else console.width
+    if _fits(table, width):
+        console.print(table, soft_wrap=True)
+    else:
+        _print_rows(console, table)
+        console.print()
+
+
+def _print_rows(console: Console, table: Table) -> None:
+    """A line a cell, with the heading of its column, below the first cell of its row."""
     names = [str(column.header) for column in table.columns]
     cells = zip(*(column.cells for column in table.columns), strict=True)
     for row, texts in zip(table.rows, cells, strict=True):
-        for number, (name, text) in enumerate(zip(names, texts, strict=True)):
-            if number and text in EMPTY:
-                continue
-            if number == 0:
-                line = Text.from_markup(f"{name} {text}" if name else str(text))
-            else:
-                line = Text.from_markup(f"{name}: {text}".replace("\n", "\n  "))
-            console.print(Padding(line, (0, 0, 0, 2 * min(number, 1))), style=row.style or "")
-    console.print()
+        first, *values = (Text.from_markup(str(text)) for text in texts)
+        style, margin = row.style or "", " " * (2 + first.cell_len - cell_len(first.plain.lstrip()))
+        say(console, Text(f"{names[0]} " if names[0] else "", style).append_text(first))
+        for column, name, value in zip(table.columns[1:], names[1:], values, strict=True):
+            if value.plain not in EMPTY:
+                head, lines = Text(f"{margin}{name}: ", style), value.split("\n")
+                fits = head.cell_len + lines[0].cell_len <= console.width
+                if fits or column.overflow == TEXT:
+                    head.append_text(lines.pop(0))
+                say(console, head)
+                for line in lines:
+                    say(console, Text(f"{margin}  ").append_text(line))
 
 
-def _needed(console: Console, table: Table) -> int:
-    """Columns of a terminal in which nothing is cut."""
-    unbounded = console.options.update(max_width=UNBOUNDED)
-    width = Measurement.get(console, unbounded, table).maximum
+def _fits(table: Table, width: int) -> bool:
+    """Whether nothing is cut in so many columns of a terminal; columns of text take what is left.
+
+    The table is given the widths of its columns.
+    """
+    needed, wanted = [], []
     for column in table.columns:
-        if column.overflow == TEXT:
-            lines = [line for cell in column.cells for line in str(cell).splitlines()]
-            longest = max(map(cell_len, [str(column.header), *lines]))
-            width -= max(0, longest - TEXT_WIDTH)
-    return width
+        lines = [
+            line for cell in (column.header, *column.cells)
+            for line in Text.from_markup(str(cell)).plain.splitlines()
+        ]  # fmt: skip
+        longest = max(map(cell_len, lines), default=0)
+        word = max((cell_len(word) for line in lines for word in line.split()), default=0)
+        wraps = column.overflow == TEXT
+        needed.append(min(longest, max(TEXT_WIDTH, word)) if wraps else longest)
+        wanted.append(longest)
+    left = width - sum(needed) - BETWEEN * len(needed)
+    for column, least, most in zip(table.columns, needed, wanted, strict=True):
+        more = max(0, min(left, most - least))
+        column.width, column.no_wrap = least + more, least + more >= most
+        left -= more
+    return left >= 0
 
 
 def errors_table(title: str, rows: Sequence[tuple[str, Errors]]) -> Table:

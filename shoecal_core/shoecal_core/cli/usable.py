@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from rich.console import Console
 
+from shoecal_core.cli.prose import say
 from shoecal_core.cli.tables import reason_lines
 from shoecal_core.errors import PartialError
 from shoecal_core.estimation.calibration import Calibration
@@ -33,7 +34,7 @@ def require_usable(
     """
     failed = calibration.verdict == "FAIL"
     for line in reason_lines(calibration)[failed:]:
-        console.print(line, soft_wrap=True)
+        say(console, line)
     if failed:
         reasons = list_reasons(calibration.reasons, 1)
         raise CalibrationFailedError(f"no calibration written: {reasons}", figures)

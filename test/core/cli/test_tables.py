@@ -6,11 +6,15 @@ import io
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from rich.cells import cell_len
 from rich.console import Console
 from rich.table import Table
 
 from core.estimation.standing import calibration
 from core.shoe import shoes
+from shoecal_core.cli.prose import say
 from shoecal_core.cli.tables import TEXT, new_table, of_page, print_table, reason_lines
 from shoecal_core.report.page import Table as Page
 from shoecal_core.shoe.wrench import ChannelParameters
@@ -53,6 +57,46 @@ def test_no_figure_is_cut(width: int) -> None:
     assert "…" not in "".join(lines)
 
 
+WORD = st.text("abcxyz0123±.−é度", min_size=1, max_size=90)
+CELL = st.lists(WORD, min_size=1, max_size=12).map(" ".join)
+
+
+@given(data=st.data(), width=st.integers(40, 200))
+def test_every_cell_is_shown_whole(data: st.DataObject, width: int) -> None:
+    columns = data.draw(st.integers(1, 6))
+    row = st.lists(CELL, min_size=columns, max_size=columns)
+    heads, rows = data.draw(row), data.draw(st.lists(row, min_size=1, max_size=3))
+    table, texts = new_table(data.draw(CELL)), data.draw(st.sets(st.integers(0, columns - 1)))
+    for number, head in enumerate(heads):
+        table.add_column(head, overflow=TEXT if number in texts else "ellipsis")
+    for cells in rows:
+        table.add_row(*cells)
+    lines = shown(table, width)
+    words = {word for line in lines for word in line.split()}
+    for cells in rows:
+        assert {word for cell in cells for word in cell.split()} <= words
+        for number, cell in enumerate(cells):
+            if number and number not in texts and cell_len(cell) <= width - 4:
+                assert any(cell in line for line in lines)
+    longest = max(cell_len(word) for word in words)
+    assert all(cell_len(line) <= max(width, longest + 6) for line in lines)
+
+
+@pytest.mark.parametrize("width", [40, 60, 140])
+def test_sentences_break_between_words(width: int) -> None:
+    text = "  left out: 2023 of 12641 samples (16.0%), listed in out/" + "a" * 150 + "/x.csv"
+    console = Console(file=io.StringIO(), width=width)
+    say(console, text)
+    say(console, "Next: shoecal " + "word " * 60)
+    assert isinstance(console.file, io.StringIO)
+    *lines, command = console.file.getvalue().splitlines()
+    assert " ".join(" ".join(lines).split()) == " ".join(text.split())
+    assert all(len(line) <= width for line in lines if "/" not in line)
+    assert lines[0].startswith("  left")
+    assert all(line.startswith("    ") for line in lines[1:])
+    assert command.count("word") == 60
+
+
 def test_a_table_of_a_page_is_shown_with_its_values() -> None:
     page = Page("Errors [N]", ("", "CoP", "GRF"), (("left [foot]", "1.2 mm", "–"),), "note")
     assert " left [foot]   1.2 mm     –" in shown(of_page(page), 60)
@@ -68,7 +112,7 @@ def test_what_does_not_fit_is_shown_row_by_row() -> None:
         "  CoP (mm): x 1.17 ± 0.29",
         "    y 2.08 ± 0.31",
         "  left foot",
-        "  GRF (N): 0.05 ± 0.01",
+        "    GRF (N): 0.05 ± 0.01",
         "",
     ]
 
