@@ -6,8 +6,8 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from rich.console import Console
-
+from shoecal_core.cli import tables
+from shoecal_core.cli.prose import output, say
 from shoecal_core.cli.tables import errors_table, reason_lines, stages_rows
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import ShoecalError
@@ -130,16 +130,17 @@ def write_results(
 
 def print_table(found: DemonstrationOutcome, timing: Mapping[str, float], folder: Folder) -> None:
     """A small table for the terminal."""
-    console = Console(highlight=False)
+    console = output()
     rows = [("model, all runs", found.modelled)]
     stages = {name: sets for name, sets in found.stages.items() if name != "modelled"}
-    console.print(errors_table("Errors against the simulated truth", rows + stages_rows(stages)))
+    table = errors_table("Errors against the simulated truth", rows + stages_rows(stages))
+    tables.print_table(console, table)
     calibration = found.outcome.calibration
     for line in reason_lines(calibration):
-        console.print(line, soft_wrap=True)
+        say(console, line)
     took = ", ".join(f"{name} {seconds:.1f} s" for name, seconds in timing.items())
-    console.print(took, soft_wrap=True)
-    console.print(f"{folder.out}: result.json, report.html, calibration.yaml, session/")
+    say(console, took)
+    say(console, f"{folder.out}: result.json, report.html, calibration.yaml, session/")
 
 
 def _json(found: Errors) -> dict[str, float]:
