@@ -132,6 +132,15 @@ ROBOTS = (
     ),
     Published("Sigmaban (Rhoban)", "Rhoban/sigmaban_urdf", "robot.urdf"),
     Published("JVRC-1", "isri-aist/jvrc_mj_description", "xml/jvrc1.xml"),
+    Published("Pi (HighTorque)", TIDE, "pi_12dof/urdf/pi_12dof.urdf"),
+    Published("Hi (HighTorque)", TIDE, "hi_25dof/urdf/hi_25dof.urdf"),
+    Published("T1, 23 joints (Booster)", BOOSTER, "robots/T1/T1_23dof.urdf"),
+    Published(
+        "ToddlerBot, active",
+        "hshi74/toddlerbot",
+        "toddlerbot/descriptions/toddlerbot_active/toddlerbot_active.urdf",
+    ),
+    Published("JVRC-1", "stephane-caron/jvrc_description", "urdf/jvrc1.urdf"),
 )
 
 

@@ -30,6 +30,9 @@ than what is planned."""
 EFFORT_M = 0.2
 """Of motors without a limit of their torque, by the robot's weight: what a knee of a robot that
 bends it holds."""
+MOST_EFFORT_M = 2.0
+"""A limit that holds the robot's weight on a longer arm is a number to be out of the way, no
+motor's: the strongest humanoids' hold it at 0.6 m."""
 PLAY_RAD = 0.1
 """A joint without a motor that turns by less is play of gears, not a joint."""
 _MOVING = (int(mjtJoint.mjJNT_HINGE), int(mjtJoint.mjJNT_SLIDE))
@@ -88,6 +91,7 @@ class _Writer:
         self._robot = ElementTree.Element("robot", {"name": path.stem})
         self._meshes: dict[str, bytes] = {}
         self._weak: list[str] = []
+        self._endless: list[str] = []
         self._loose: list[str] = []
         self._check()
 
@@ -113,8 +117,11 @@ class _Writer:
             loose = f"{', '.join(self._loose)}: play of gears, not joints: fixed."
             look = "no motor turns them; the robot file's joint_deflection has their play."
             assumed.append(Note("joint", loose, look))
+        effort = f"{EFFORT_M * self._weight:.3g} N m put in."
+        if self._endless:
+            beyond = f"{', '.join(self._endless)}: more than any motor of such a robot, {effort}"
+            assumed.append(Note("joint", beyond, own))
         if self._weak:
-            effort = f"{EFFORT_M * self._weight:.3g} N m put in."
             assumed.append(
                 Note("joint", f"{', '.join(self._weak)}: no limit of torque, {effort}", own)
             )
@@ -266,10 +273,7 @@ class _Writer:
         kind = "prismatic" if slides else "revolute" if limited else "continuous"
         element = self._write_joint(name, kind, parent, child, place, rotation)
         ElementTree.SubElement(element, "axis", {"xyz": written(axis)})
-        effort = self._effort(joint)
-        if not effort > 0.0:
-            self._weak.append(name)
-            effort = EFFORT_M * self._weight
+        effort = self._believed(name, self._effort(joint), slides=slides)
         limit = {"effort": f"{effort:.6g}", "velocity": f"{SPEED:g}"}
         if limited or slides:
             low, high = (float(one) for one in model.jnt_range[joint])
@@ -286,6 +290,16 @@ class _Writer:
                     element, "mimic",
                     {"joint": leader, "multiplier": f"{factor:.9g}", "offset": f"{offset:.9g}"},
                 )  # fmt: skip
+
+    def _believed(self, name: str, effort: float, *, slides: bool) -> float:
+        """A joint's limit [N m or N], or what is put in for one that no motor has."""
+        if effort > MOST_EFFORT_M * self._weight and not slides:
+            self._endless.append(f"{name} {effort:.4g} N m")
+            return EFFORT_M * self._weight
+        if effort > 0.0:
+            return effort
+        self._weak.append(name)
+        return EFFORT_M * self._weight
 
     def _effort(self, joint: int) -> float:
         """The largest torque or force that its motors have; 0 where it has no limit."""

@@ -47,8 +47,8 @@ class LoadSharing:
         torques: (k, 1) of the leg motors, to hold the posture [N m].
         loads: (2, 1) vertical force on left, right [N].
         edges: (8, 1) moment by which left, right keep off tipping about the front, left, rear and
-            right edge of the box around their soles: load times the way from that edge to the
-            foot's own CoP [N m].
+            right of their soles: load times the way to the foot's own CoP from the nearest edge
+            of the outline that looks there [N m].
         grips: (2, 1) how much more sideways force left, right could take: usable friction times
             load, less the sideways force of the internal wrench [N].
     """
@@ -175,10 +175,17 @@ def _edges(
         # Load times the way of the foot's own CoP from the sole's origin.
         about_origin = part * robot.weight * place[:2] + sign * moved - load * origins[side]
         moment = turns[side].T @ about_origin
-        low, high = robot.feet[side].box
-        margins += [load * high - moment, moment - load * low]
+        margins += [_least(load * ca.DM(d) - ca.DM(n) @ moment) for n, d in robot.feet[side].sides]
     edges: ca.SX = ca.vertcat(*margins)
     return edges
+
+
+def _least(rows: ca.SX) -> ca.SX:
+    """The least of some rows (n, 1)."""
+    least, *others = ca.vertsplit(rows)
+    for row in others:
+        least = ca.fmin(least, row)
+    return least
 
 
 def _torques(robot: Robot, body: SymbolicKinematics, forces: list[tuple[ca.SX, ca.SX]]) -> ca.SX:

@@ -51,8 +51,7 @@ class Planner:
     def __init__(self, robot: Robot, settings: PlannerSettings) -> None:
         self.legs = Legs(robot)
         self.settings = settings
-        collocation = Collocation(self.legs, settings)
-        self.horizon = RollingHorizon(collocation, _solvers(collocation))
+        self.horizon = _rolling(self.legs, settings)
         self._stance = StanceSolver(self.legs, settings)
 
     def stance(self, support: DoubleSupport) -> FloatArray:
@@ -147,8 +146,9 @@ class Planner:
         """A checked motion along segments, one after another, from all joint angles (m,) [rad].
 
         A motion that its check finds too fast is done more slowly. One that does not pass for
-        another reason is planned once more in finer steps, unless a foot is on its way in it:
-        between two states it leaves what they keep by a quarter then.
+        another reason is planned once more in finer steps, and where that is not enough in finer
+        ones still, unless a foot is on its way in it: where the CoP turns round at a landmark, a
+        motion leaves what its states keep by a quarter then between two of them.
 
         Raises:
             PlanningError, PlanningCanceledError, CheckFailedError: when there is no motion.
@@ -169,13 +169,18 @@ class Planner:
         planned, report = checked(self.horizon)
         if not report.kept and not any(segment.moving for segment in segments):
             planned, report = checked(self._finer)
+            if not report.kept:
+                planned, report = checked(self._finest)
         report.require()
         return planned
 
     @cached_property
     def _finer(self) -> RollingHorizon:
-        collocation = Collocation(self.legs, self.settings.finer())
-        return RollingHorizon(collocation, _solvers(collocation))
+        return _rolling(self.legs, self.settings.finer())
+
+    @cached_property
+    def _finest(self) -> RollingHorizon:
+        return _rolling(self.legs, self.settings.finer().finer())
 
     def _parts(
         self,
@@ -279,6 +284,12 @@ class Planner:
         return InitialStance(
             robot, self.settings, foot_pose, now, on_one, within_reach, support_phase
         )
+
+
+def _rolling(legs: Legs, settings: PlannerSettings) -> RollingHorizon:
+    """One horizon's problem written out, with its solvers."""
+    collocation = Collocation(legs, settings)
+    return RollingHorizon(collocation, _solvers(collocation))
 
 
 def _solvers(collocation: Collocation) -> list[Solver]:

@@ -17,6 +17,9 @@ from shoecal_core.robot.double_support import DoubleSupport
 GRAVITY = 9.80665
 """Standard acceleration of gravity [m/s^2]."""
 
+_SIDES = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
+"""(4, 2) directions to the front, left, rear and right of a sole."""
+
 
 class JointsMissingError(ShoecalError):
     """Joint angles that do not belong to the robot file in use.
@@ -55,9 +58,25 @@ class Foot:
     sensing_polygon: FloatArray
 
     @property
-    def box(self) -> tuple[FloatArray, FloatArray]:
-        """(2,) lower and upper corner of the box around the outline, sole frame [m]."""
-        return self.outline.min(axis=0), self.outline.max(axis=0)
+    def sides(self) -> tuple[tuple[FloatArray, FloatArray], ...]:
+        """Edges of the outline that look to the front, left, rear and right, in this order.
+
+        Each side has outward unit normals n (e, 2) and offsets d (e,) [m]: what is on the sole has
+        n @ p <= d. An edge across a corner counts to the side that it looks to most; a side that
+        no edge looks to has the one that looks there least badly.
+        """
+        along = np.roll(self.outline, -1, axis=0) - self.outline
+        along, begins = (part[np.any(along != 0.0, axis=1)] for part in (along, self.outline))
+        normals = np.column_stack([along[:, 1], -along[:, 0]])
+        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+        offsets = np.sum(normals * begins, axis=1)
+        faces = normals @ _SIDES.T
+        sides = []
+        for side in range(4):
+            mine = np.flatnonzero(np.argmax(faces, axis=1) == side)
+            mine = mine if len(mine) else np.array([np.argmax(faces[:, side])])
+            sides.append((normals[mine], offsets[mine]))
+        return tuple(sides)
 
     @property
     def half_width(self) -> float:

@@ -13,7 +13,7 @@ from numpy.testing import assert_allclose
 
 from core.shoe.shoes import ROOT
 from shoecal_core.drafting.body import find_shapes, read_body
-from shoecal_core.drafting.mjcf import EFFORT_M, SPEED, as_urdf
+from shoecal_core.drafting.mjcf import EFFORT_M, MOST_EFFORT_M, SPEED, as_urdf
 from shoecal_core.robot.mjcf import MjcfError
 
 ODD = """
@@ -118,6 +118,25 @@ def test_limits_of_motors_are_found_or_said_to_be_put_in(odd: Path) -> None:
     for word in ("slide", "loose", "3 rad/s"):
         assert word in told
     assert "ankle" not in told
+
+
+def test_a_limit_that_is_no_motor_s_is_not_believed(tmp_path: Path) -> None:
+    """Range of control -200 to 200, as in models that learning has no use for limits in."""
+    weight = 2.5 * 9.81
+    for control, effort in ((15.0, 45.0), (200.0, EFFORT_M * weight)):
+        file = tmp_path / "strong.xml"
+        file.write_text(ODD.replace('ctrlrange="-2 2"', f'ctrlrange="-{control} {control}"'))
+        made = as_urdf(file, "meshes")
+        limits = {
+            joint.get("name"): joint.find("limit")
+            for joint in ElementTree.fromstring(made.urdf).iter("joint")
+        }
+        found = limits["yaw"]
+        assert found is not None
+        assert float(found.get("effort", "")) == pytest.approx(effort, rel=1e-5)
+        told = "\n".join(one.found for one in made.assumed)
+        assert ("yaw 600 N m" in told) == (control > 15.0)
+        assert effort < MOST_EFFORT_M * weight
 
 
 def test_a_base_that_hangs_on_the_world_is_to_get_a_free_joint(tmp_path: Path) -> None:

@@ -60,9 +60,9 @@ def test_the_check_finds_the_same_by_another_way(written: Written, phase: Suppor
         assert balance[-1] == pytest.approx(body.up[index, 2])
         for side, foot in enumerate(robot.feet):
             if phase.feet[side]:
-                low, high = foot.box
                 cop, edges = body.foot_cop[index, side], balance[4 + 4 * side : 8 + 4 * side]
-                lever = shares[side] * np.concatenate([high - cop, cop - low])
+                ways = [np.min(offsets - normals @ cop) for normals, offsets in foot.sides]
+                lever = shares[side] * np.array(ways)
                 np.testing.assert_allclose(edges, lever, atol=1e-4)
         np.testing.assert_allclose(torques, body.torques[index], atol=1e-3)
 

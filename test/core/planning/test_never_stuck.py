@@ -378,3 +378,13 @@ def test_what_fails_its_check_is_planned_in_finer_steps(planner: Planner) -> Non
     moves = np.abs(np.diff(motion.path.states, axis=0))
     assert np.all(moves <= planner.horizon.collocation.transition / 2.0 + 1e-9)
     assert np.all(motion.path.nearest < SETTINGS.landmark_radius)
+
+
+def test_what_finer_steps_do_not_mend_is_planned_in_finer_ones_still(
+    planner: Planner, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    use(planner, Spoiled(planner, FAILURES["a little off"], honest=False))
+    monkeypatch.setitem(vars(planner), "_finer", planner.horizon)
+    motion = certified(planner, planner.plan_from(stance_of("wren")))
+    moves = np.abs(np.diff(motion.path.states, axis=0))
+    assert np.all(moves <= planner.horizon.collocation.transition / 4.0 + 1e-9)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
+import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -28,6 +31,29 @@ def test_weight_names_and_limits(robot: Robot) -> None:
         assert robot.joint(name) == index
         joint = robot.model.getJointId(name)
         assert robot.lower[index] == robot.model.lowerPositionLimit[robot.model.idx_qs[joint]]
+
+
+@pytest.mark.parametrize(
+    ("corners", "counts"),
+    [
+        ([(-1, -1), (2, -1), (2, 1), (-1, 1)], [1, 1, 1, 1]),
+        ([(-2, -1), (2, -1), (4, 0), (2, 1), (-2, 1), (-2, 0)], [1, 2, 2, 2]),
+        ([(-1, -1), (2, 0), (-1, 1)], [1, 1, 1, 1]),
+    ],
+)
+def test_a_point_on_a_sole_is_within_all_its_sides(
+    corners: list[tuple[float, float]], counts: list[int]
+) -> None:
+    outline = np.array(corners, dtype=float)
+    sides = dataclasses.replace(robots.load("wren").feet[0], outline=outline).sides
+    assert [len(offsets) for _, offsets in sides] == counts
+    sole = shapely.Polygon(outline)
+    for point in np.random.default_rng(0).uniform(-3.0, 3.0, (200, 2)):
+        least = min(float(np.min(offsets - normals @ point)) for normals, offsets in sides)
+        place = shapely.Point(point)
+        assert (least > 0.0) == sole.contains(place)
+        if least > 0.0:
+            assert least == pytest.approx(sole.exterior.distance(place))
 
 
 def test_a_joint_that_is_not_there(robot: Robot) -> None:

@@ -25,7 +25,7 @@ from shoecal_core.planning.load_sharing import FRICTION_USED
 from shoecal_core.planning.motion import Motion, Phase
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.support_phase import SupportPhase
-from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.robot.robot import GRAVITY, Robot
 from shoecal_core.shoe.shoe import FEET
 
 _WINDOW = 0.1
@@ -339,11 +339,9 @@ def _loads(
     slip = np.full(len(feet), usable)
     if span.first:
         slip = np.maximum(slip, ratio[0])
-    low, high = np.array([robot.feet[index].box for index in feet]).swapaxes(0, 1)
-    cop = body.foot_cop[span.samples][:, feet]
-    inside = np.minimum(cop - low, high - cop).min(axis=-1)
-    lever = inside * loads / robot.weight
-    beyond = -_LEVER_SLACK * (high - low).min(axis=1)
+    lever = _inside(robot, body.foot_cop[span.samples])[:, feet] * loads / robot.weight
+    widths = np.array([np.ptp(robot.feet[index].outline, axis=0).min() for index in feet])
+    beyond = -_LEVER_SLACK * widths
     least = settings.load_share * robot.weight
     return (
         at_least("load of a foot that stands", "N", sure, least, at, names, from_begin=span.first),
@@ -358,6 +356,15 @@ def _loads(
         ),
         at_most("sideways force over load of a foot", "", ratio, slip, at, names),
     )
+
+
+def _inside(robot: Robot, cops: FloatArray) -> FloatArray:
+    """(t, 2) from the edge of either sole to its foot's CoP (t, 2, 2); negative outside [m]."""
+    found = []
+    for foot, cop in zip(robot.feet, cops.swapaxes(0, 1), strict=True):
+        ways = [d - cop @ n.T for n, d in foot.sides]
+        found.append(np.hstack(ways).min(axis=1))
+    return np.column_stack(found)
 
 
 def _rest(motion: Motion, settings: PlannerSettings) -> ConstraintMargin:
