@@ -90,9 +90,9 @@ def _joints(
     zero = body.JointOffset()
     yield from deviations(zero, signal_model, tolerances, zero.places(signal_model))
     # Play that is pushed; dragged it is friction.
-    pushed, torques = (len(body.FRICTION), body.TORQUES) if in_all_forms else (1, 1)
+    gives, pushed = (body.GIVES, len(body.FRICTION)) if in_all_forms else (1, 1)
     gears: list[tuple[Effect, int]] = [
-        (body.JointCompliance(), torques),
+        (body.JointCompliance(), gives),
         (body.Backlash(), pushed),
     ]
     if in_all_forms:

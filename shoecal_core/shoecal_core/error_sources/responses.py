@@ -22,8 +22,9 @@ from shoecal_core.error_sources.signals import (
 )
 from shoecal_core.robot.robot import GRAVITY
 
-QUASI_STATIC_M = 4.2e-4
-"""Root mean square of the zero-moment point's way off the CoM in a motion meant to be slow."""
+QUASI_STATIC_M = 6e-4
+"""Root mean square of the zero-moment point's way off the CoM along an axis, up to which a motion
+is slow: half of what the CoP of a robot within tolerance is off. Standard motions have 5e-4 m."""
 
 
 @dataclass(frozen=True)
@@ -86,6 +87,28 @@ class Responses(Loads):
         support = self.samples.segment_medians(found[:, CLOSURE][:, (0, 1, 5)])
         found[:, COP] += self.by_support(support)[:, COP]
         return self.settled(found)
+
+    def held(self, given: FloatArray) -> FloatArray:
+        """(T, m) what joints (T, m) give by [rad] where both feet stand, without what the floor
+        forbids: soles on it move neither along it nor off it.
+
+        By whatever law a gear gives, the others give way, all alike as far as is known, until the
+        soles lie where they are held. Walking, soles may tip: then they are held along the floor.
+        """
+        legs = self.samples.robot.moved
+        found = given.copy()
+        moved = np.einsum("tkm,tm->tk", self.jacobians.closure[..., legs], given[:, legs])
+        found[:, legs] -= np.einsum("tkm,tk->tm", self._holding, moved)
+        return np.where(self.samples.both[:, None], found, given)
+
+    @cached_property
+    def _holding(self) -> FloatArray:
+        """(T, 6, legs) of what moves the right sole in the left's, how joints undo it."""
+        across = self.jacobians.closure[..., self.samples.robot.moved].copy()
+        across[self.samples.walks, FLAT_OF_CLOSURE] = 0.0
+        inverse = np.linalg.pinv(np.einsum("tkm,tlm->tkl", across, across), hermitian=True)
+        found: FloatArray = np.einsum("tkl,tlm->tkm", inverse, across)
+        return found
 
     def by_support(self, change: FloatArray) -> FloatArray:
         """(T, s) when the right foot is taken to stand (T, 3) dx, dy [m], dtheta [rad] further."""

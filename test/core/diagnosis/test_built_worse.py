@@ -35,7 +35,7 @@ def drawn(urn: Urn, seed: int, form: float, grf_n: float = 0.0) -> Workspace:
 
 @pytest.mark.parametrize("seed", [0, 1])
 def test_a_robot_built_worse_has_no_gap(urn: Urn, seed: int) -> None:
-    workspace = drawn(urn, seed, form=3.0)
+    workspace = drawn(urn, seed, form=4.0)
     assert 2.0 <= times_usual(workspace.built_worse().built) <= 3.0
     found, _ = first_confirmed(workspace, SETTINGS)
     _, said, notes = answer_as_built(workspace, (), found, SETTINGS)

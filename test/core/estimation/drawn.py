@@ -78,7 +78,8 @@ def drawn(
     signal_model = make_signal_model(world.recorded(moves, exact, seed), parameters, SETTINGS)
     found = [*of_body(signal_model, tolerances), *of_shoes(signal_model, tolerances)]
     values = {one.key: share * one.std * rng.standard_normal() for one in found}
-    samples = world.recorded(moves, _truth(moves, exact, found, values), seed)
+    truth = _truth(moves, exact, found, values, signal_model.held)
+    samples = world.recorded(moves, truth, seed)
     guess = ChannelParameters(
         parameters.gain * 1.15, parameters.offset + rng.normal(0.0, 2.0, len(parameters.offset))
     )
@@ -98,8 +99,9 @@ def _truth(
     exact: world.Truth,
     found: list[Deviation],
     values: dict[tuple[str, tuple[str, ...], str, int | None], float],
+    held: Callable[[FloatArray], FloatArray],
 ) -> world.Truth:
-    """Everything at once."""
+    """Everything at once; joints (T, m) that give [rad] are held by soles on the floor."""
     robot, columns = moves.robot, moves.shoe.columns.copy()
     support: dict[int, FloatArray] = {}
     zero: dict[int, FloatArray] = {}
@@ -123,16 +125,18 @@ def _truth(
         for name in ("joint_offset", "joint_compliance", "backlash")
     }
     return world.Truth(
-        exact.parameters, robot, columns, _encoder(joints), support, zero, exact.noise
+        exact.parameters, robot, columns, _encoder(joints, held), support, zero, exact.noise
     )
 
 
-def _encoder(joints: dict[str, FloatArray]) -> Callable[[FloatArray], FloatArray]:
-    return lambda torque: (
-        joints["joint_offset"]
-        + joints["joint_compliance"] * torque
-        + 0.5 * joints["backlash"] * np.tanh(torque / PUSHED)
-    )
+def _encoder(
+    joints: dict[str, FloatArray], held: Callable[[FloatArray], FloatArray]
+) -> Callable[[FloatArray], FloatArray]:
+    def shown(torque: FloatArray) -> FloatArray:
+        pushed = 0.5 * joints["backlash"] * np.tanh(torque / PUSHED)
+        return joints["joint_offset"] + held(joints["joint_compliance"] * torque + pushed)
+
+    return shown
 
 
 def _of_joints(

@@ -34,8 +34,8 @@ class Inertia:
             yield Shape(("factor",), signal_model.dynamic[None])
 
 
-TORQUES = 2
-"""Ways in which a joint's torque is known: as reported, and as far as joints relax."""
+GIVES = 2
+"""Ways in which a joint gives: as soles on the floor let it, and freely."""
 LEAST_MASS = 0.01
 """Links lighter than this share of the robot are not looked at."""
 FRICTION = (0.05, 0.2)
@@ -172,18 +172,18 @@ class _Give:
         """Every joint of the legs, and all alike."""
         return places.joints_and_all(signal_model)
 
-    def _shape(
+    def _free_shape(
         self, signal_model: SignalModel, place: Place, name: str, given: FloatArray
     ) -> Shape:
         """Encoders at a place show `given` (T, m) more than the links' angles, a unit."""
         change = self._at(signal_model, place, given)
         return Shape((name,), signal_model.by_angles(change)[None])
 
-    def _relaxed_shape(
+    def _held_shape(
         self, signal_model: SignalModel, place: Place, name: str, given: FloatArray
     ) -> Shape:
-        """The same once other joints have given way, so that soles stay where they stick."""
-        change = signal_model.relaxed(self._at(signal_model, place, given))
+        """The same once other joints have given way, so that soles stay on the floor."""
+        change = signal_model.held(self._at(signal_model, place, given))
         return Shape((name,), signal_model.by_angles(change)[None])
 
     def _at(self, signal_model: SignalModel, place: Place, given: FloatArray) -> FloatArray:
@@ -204,11 +204,9 @@ class JointCompliance(_Give):
     )
 
     def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
-        """In proportion to the torque that it holds: as reported, and alone; or as far as torques
-        relax, and other joints with them.
-        """
-        yield self._shape(signal_model, place, "compliance", signal_model.torque)
-        yield self._relaxed_shape(signal_model, place, "compliance", signal_model.relaxed_torque)
+        """In proportion to the torque that it holds: with the soles held, or alone."""
+        for shape in (self._held_shape, self._free_shape):
+            yield shape(signal_model, place, "compliance", signal_model.torque)
 
 
 class Backlash(_Give):
@@ -218,20 +216,19 @@ class Backlash(_Give):
     components = (Component("play", "rad", 0.015, 0.0, form=7.0, as_built="gear_play_rad"),)
 
     def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
-        """By the side to which the torque pushes, at once or over a while; by the one to which it
-        last overcame friction; by the one to which friction drags; or by the first, relaxed.
+        """By the side to which the torque pushes, at once or over a while, with the soles held or
+        alone; with them held, by the side to which it last overcame friction, or friction drags.
         """
         torque = signal_model.torque
-        for friction in FRICTION:
-            yield self._shape(signal_model, place, "play", 0.5 * np.tanh(torque / friction))
+        pushed = [0.5 * np.tanh(torque / friction) for friction in FRICTION]
+        for shape in (self._held_shape, self._free_shape):
+            for side in pushed:
+                yield shape(signal_model, place, "play", side)
         scale = signal_model.samples.robot.weight / USUAL_WEIGHT
         for friction in HELD_BY:
-            yield self._shape(signal_model, place, "play", 0.5 * relay(torque, scale * friction))
-        yield self._shape(signal_model, place, "play", signal_model.samples.dragged)
-        relaxed = signal_model.relaxed_torque
-        for friction in FRICTION:
-            side = 0.5 * np.tanh(relaxed / friction)
-            yield self._relaxed_shape(signal_model, place, "play", side)
+            held_on = 0.5 * relay(torque, scale * friction)
+            yield self._held_shape(signal_model, place, "play", held_on)
+        yield self._held_shape(signal_model, place, "play", signal_model.samples.dragged)
 
 
 class JointFriction(_Give):
@@ -247,4 +244,4 @@ class JointFriction(_Give):
 
     def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
         """From one side to the other by the way that it came."""
-        yield self._shape(signal_model, place, "lag", signal_model.samples.dragged)
+        yield self._held_shape(signal_model, place, "lag", signal_model.samples.dragged)

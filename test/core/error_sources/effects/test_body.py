@@ -188,43 +188,40 @@ def test_an_ankle_holds_the_floor_s_force_against_the_foot(signal_model: SignalM
     assert about_y != 0.0
 
 
-def test_torques_relax_until_feet_are_bent_no_further(signal_model: SignalModel) -> None:
-    """Joints that give alike, at relaxed torques, move soles along the floor in no direction."""
-    both = signal_model.samples.both
-    along_floor = signal_model.jacobians.closure[both][:, (0, 1, 5)]
-    before, settled = (
-        np.einsum("tkm,tm->tk", along_floor, torque[both])
-        for torque in (signal_model.links.torque, signal_model.relaxed_torque)
-    )
-    assert np.abs(settled).max() < 0.02 * np.abs(before).max()
-    in_air = ~both
-    np.testing.assert_array_equal(
-        signal_model.relaxed_torque[in_air], signal_model.links.torque[in_air]
-    )
-
-
-def test_relaxed_torques_bear_the_same_weight(signal_model: SignalModel) -> None:
-    """What they have more comes of pushes along the floor and twists that leave the root alone."""
+def test_soles_on_the_floor_stay_whatever_joints_give(signal_model: SignalModel) -> None:
+    """And joints give as they would otherwise in all ways that leave the soles where they are."""
     samples = signal_model.samples
-    robot = samples.robot
-    more = signal_model.relaxed_torque - signal_model.links.torque
-    data = robot.model.createData()
-    for at in np.flatnonzero(samples.both)[::40]:
-        q = np.concatenate(([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0], samples.angles[at]))
-        pin.computeJointJacobians(robot.model, data, q)
-        upright = data.oMi[robot.feet[0].joint] * robot.feet[0].placement
-        rows = []
-        for foot in robot.feet:
-            jacobian = pin.getJointJacobian(robot.model, data, foot.joint, pin.ReferenceFrame.LOCAL)
-            sole = data.oMi[foot.joint] * foot.placement
-            own = foot.placement.inverse().toActionMatrix() @ jacobian
-            turned = upright.rotation.T @ sole.rotation
-            rows += [*(turned @ own[:3])[:2], (turned @ own[3:])[2]]
-        forces = np.array(rows).T  # (6 + m, 6): pushes x, y and twists of both feet
-        wanted = np.concatenate((np.zeros(6), -more[at]))
-        found = np.linalg.lstsq(forces, wanted, rcond=None)[0]
-        np.testing.assert_allclose(forces @ found, wanted, atol=0.02)
-        assert np.abs(more[at]).max() > 0.05
+    legs, both = samples.robot.moved, samples.both
+    given = np.zeros_like(samples.angles)
+    given[:, legs] = np.random.default_rng(0).normal(0.0, 0.01, (len(given), len(legs)))
+    held = signal_model.held(given)
+    np.testing.assert_array_equal(held[~both], given[~both])
+    closure = signal_model.jacobians.closure[both][..., legs]
+    assert np.abs(np.einsum("tkm,tm->tk", closure, given[both][:, legs])).max() > 0.01
+    np.testing.assert_allclose(
+        np.einsum("tkm,tm->tk", closure, held[both][:, legs]), 0.0, atol=1e-6
+    )
+    np.testing.assert_allclose(signal_model.held(held), held, atol=1e-6)
+    free = np.linalg.svd(closure)[2][:, 6:]
+    np.testing.assert_allclose(
+        np.einsum("tkm,tm->tk", free, held[both][:, legs]),
+        np.einsum("tkm,tm->tk", free, given[both][:, legs]),
+        atol=1e-6,
+    )
+
+
+def test_walking_soles_may_tip(signal_model: SignalModel) -> None:
+    """Joints that give then keep soles from moving along the floor alone."""
+    samples = signal_model.samples
+    walking = replace(signal_model, samples=replace(samples, walks=np.ones_like(samples.walks)))
+    given = np.full_like(samples.angles, 0.01)
+    given[:, samples.robot.moved[::2]] *= -1.0
+    closure = walking.jacobians.closure[samples.both]
+    moved = np.einsum("tkm,tm->tk", closure, walking.held(given)[samples.both])
+    before = np.einsum("tkm,tm->tk", closure, given[samples.both])
+    assert np.abs(moved[:, (0, 1, 5)]).max() < 1e-6
+    assert np.abs(before[:, (0, 1, 5)]).max() > 1e-3
+    assert np.abs(moved[:, (2, 3, 4)]).max() > 1e-3
 
 
 @pytest.mark.parametrize("place", [*JOINTS[1:], "all"])
@@ -234,10 +231,11 @@ def test_joint_compliance(signal_model: SignalModel, place: str) -> None:
     change = np.zeros_like(signal_model.samples.angles)
     joints = robot.moved if place == "all" else [robot.joint(place)]
     change[:, joints] = compliance * signal_model.torque[:, joints]
-    found = shape(signal_model, JointCompliance(), place)
-    assert_shows(
-        signal_model, with_angles(signal_model, change), told(found, compliance), within=0.15
-    )
+    held, free = JointCompliance().shapes(signal_model, (place,))
+    for given, found in ((change, free), (signal_model.held(change), held)):
+        assert_shows(
+            signal_model, with_angles(signal_model, given), told(found, compliance), within=0.15
+        )
 
 
 @pytest.mark.parametrize("place", [*JOINTS[1:], "all"])
@@ -247,14 +245,16 @@ def test_backlash(signal_model: SignalModel, place: str) -> None:
     change = np.zeros_like(signal_model.samples.angles)
     joints = robot.moved if place == "all" else [robot.joint(place)]
     change[:, joints] = 0.5 * play * np.sign(signal_model.torque[:, joints])
-    found = shape(signal_model, Backlash(), place)
-    assert_shows(signal_model, with_angles(signal_model, change), told(found, play), within=0.35)
+    held, _, free, *_ = Backlash().shapes(signal_model, (place,))
+    for given, found in ((change, free), (signal_model.held(change), held)):
+        shown = with_angles(signal_model, given)
+        assert_shows(signal_model, shown, told(found, play), within=0.35)
 
 
 def test_friction_holds_a_joint_on_its_side_of_the_play(signal_model: SignalModel) -> None:
     """Until the torque overcomes it on the other side; in a heavier robot it is more."""
     shapes = list(Backlash().shapes(signal_model, ("RAnkleRoll",)))
-    usual = len(body.FRICTION)
+    usual = 2 * len(body.FRICTION)
     held = shapes[usual : usual + len(body.HELD_BY)]
     joint = signal_model.samples.robot.joint("RAnkleRoll")
     torque = signal_model.torque[:, joint] * USUAL_WEIGHT / signal_model.samples.robot.weight
@@ -265,14 +265,18 @@ def test_friction_holds_a_joint_on_its_side_of_the_play(signal_model: SignalMode
             side[row] = now
         change = np.zeros_like(signal_model.samples.angles)
         change[:, joint] = 0.5 * side
-        np.testing.assert_array_equal(found.columns[0], signal_model.by_angles(change))
+        shown = signal_model.by_angles(signal_model.held(change))
+        np.testing.assert_array_equal(found.columns[0], shown)
 
 
 @pytest.mark.parametrize("place", [*JOINTS[1:], "all"])
 def test_friction_keeps_a_link_behind_by_the_way_that_it_came(
     signal_model: SignalModel, place: str
 ) -> None:
-    """From one side to the other while the joint turns back; at rest it stays where it is."""
+    """From one side to the other while the joint turns back; at rest it stays where it is.
+
+    Where both feet stick, other joints give way.
+    """
     samples, lag = signal_model.samples, 1e-3
     sides = []
     for track in samples.tracks:
@@ -284,10 +288,11 @@ def test_friction_keeps_a_link_behind_by_the_way_that_it_came(
     joints = samples.robot.moved if place == "all" else [samples.robot.joint(place)]
     change = np.zeros_like(behind)
     change[:, joints] = lag * behind[:, joints]
+    change = signal_model.held(change)
     found = shape(signal_model, JointFriction(), place)
     assert_shows(signal_model, with_angles(signal_model, change), told(found, lag), within=0.25)
     # A robot's friction is what play looks like that is dragged.
-    *_, dragged, _, _ = Backlash().shapes(signal_model, (place,))
+    *_, dragged = Backlash().shapes(signal_model, (place,))
     np.testing.assert_array_equal(dragged.columns, found.columns)
 
 
