@@ -69,10 +69,7 @@ def truly(
         moved = shifted(robot, one.location[0], "xyz".index(one.component), size)
         return replace(exact, robot=moved)
     if one.effect in ("joint_offset", "joint_compliance", "backlash"):
-        gives = encoder(robot, one, size)
-        if one.effect != "joint_offset":
-            return replace(exact, encoder=lambda torque: held(gives(torque)))
-        return replace(exact, encoder=gives)
+        return replace(exact, encoder=encoder(robot, one, size, held))
     if one.effect in ("cell_position", "plates"):
         return replace(exact, columns=columns(shoe, one, size))
     if one.effect == "zero_offset":
@@ -83,15 +80,17 @@ def truly(
     return replace(exact, support={int(one.location[0].split()[1]): step})
 
 
-def encoder(robot: Robot, one: Deviation, size: float) -> Callable[[FloatArray], FloatArray]:
+def encoder(
+    robot: Robot, one: Deviation, size: float, held: Callable[[FloatArray], FloatArray]
+) -> Callable[[FloatArray], FloatArray]:
     """What encoders show too much, from torques (T, m): an offset of all on a motor, or gears."""
     here = np.zeros(len(robot.joint_names))
     place = one.location[0]
     here[sorted(robot.moved) if place == ALL else [robot.joint(place)]] = size
     if one.effect == "joint_compliance":
-        return lambda torque: here * torque
+        return lambda torque: held(here * torque)
     if one.effect == "backlash":
-        return lambda torque: 0.5 * here * np.tanh(torque / PUSHED)
+        return lambda torque: held(0.5 * here * np.tanh(torque / PUSHED))
     for shared in robot.shared:
         if shared.leader == robot.joint(place):
             here[shared.joint] = shared.ratio * size
