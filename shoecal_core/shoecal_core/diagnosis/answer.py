@@ -134,10 +134,12 @@ def confirmed(
             why = f"with {1.0 - own:.0%} it is another effect that comes on top"
         if _shown_by_test_runs(workspace, form):
             parts = (GRF, COP, FORCE_AND_PLACE)
-            *each, (_, gone, added) = taken(workspace, chosen, index, workspace.test, parts)
+            *each, (whole, gone, added) = taken(workspace, chosen, index, workspace.test, parts)
             off = [(there, less) for there, less, _ in each if there > LEAST_EXCESS]
             shrinks = any(less >= TAKEN_FROM * there for there, less in off)
-            shrinks = shrinks and gone >= CLAIMED * added
+            # Next to errors that it partly cancels, a true cause takes less than it adds.
+            enough = EXPLAINED_FROM * whole if whole > LEAST_EXCESS else np.inf
+            shrinks = shrinks and gone >= min(CLAIMED * added, enough)
             if not shrinks or found.predicted[index] <= 0.0:
                 why = "explains training runs, but test runs do not confirm it"
                 # Not that, but something: a robot within tolerance is as improbable as before.
