@@ -16,6 +16,7 @@ from shapely.ops import nearest_points
 from shoecal_core.arrays import FloatArray
 from shoecal_core.drafting.body import Body, Shapes, find_shapes, own_joints, read_body
 from shoecal_core.drafting.capsules import DraftCapsule, find_capsules, pairs_of
+from shoecal_core.drafting.closed_chains import held_joints
 from shoecal_core.drafting.foot_cells import FootCells, find_cells
 from shoecal_core.drafting.legs import UP, LegChains, find_legs
 from shoecal_core.drafting.mirrored import crossed_limits
@@ -69,6 +70,7 @@ class Draft:
         other_sensors: six-axis sensors of the legs that are not used.
         parallel_sensors: of feet with several sensors, each of which carries a part of the load.
         missing_meshes: of the legs, each with what is the matter; their capsules are not known.
+        held: joints that closed chains of links hold; none of the legs.
         measured: the soles' sizes were given, not found.
     """
 
@@ -85,6 +87,7 @@ class Draft:
     other_sensors: list[str]
     parallel_sensors: list[str]
     missing_meshes: tuple[str, ...]
+    held: tuple[str, ...]
     measured: bool
 
     @property
@@ -197,6 +200,7 @@ def draft_robot(
     """
     body = read_body(urdf, meshes)
     legs = find_legs(body)
+    held = held_joints(body, legs)
     check_size(body, legs)
     shapes = find_shapes(body, {joint for chain in legs.chains for joint in chain})
     soles = _soles(body, legs, shapes, sole)
@@ -220,6 +224,7 @@ def draft_robot(
         other_sensors=elsewhere(body, legs),
         parallel_sensors=more_on_feet(body, legs, soles),
         missing_meshes=tuple(sorted({file for one in shapes.missing.values() for file in one})),
+        held=held,
         measured=sole is not None,
     )
 

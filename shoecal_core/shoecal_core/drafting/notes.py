@@ -85,6 +85,14 @@ def robot_notes(draft: Draft) -> list[Note]:
                 "it is locked there; else give its limits in the URDF.",
             )
         )
+    if draft.held:
+        notes.append(
+            Note(
+                "optional_joints",
+                f"{', '.join(draft.held)}: of closed chains, held where posture_rad has them.",
+                "they do not move while the robot is calibrated; a driver need not report them.",
+            )
+        )
     notes.append(_posture(draft))
     notes.append(
         Note(

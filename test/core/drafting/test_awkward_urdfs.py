@@ -93,6 +93,50 @@ def told(found: Draft) -> str:
     return " ".join(note.found for note in (*robot_notes(found), *shoe_notes(found)))
 
 
+LOOP = '<loop_joint name="rod"><link1 link="{}"/><link2 link="{}"/></loop_joint>'
+
+
+def test_closed_chains_outside_the_legs_are_held(tmp_path: Path) -> None:
+    """A rod from the shoulder to the forearm: a driver need not report what it holds."""
+    rod = FINGER.format("rod", "left_shoulder", "")
+    urdf = with_more(tmp_path, rod + LOOP.format("rod", "left_forearm"))
+    found = drafted(urdf)
+    held = ("left_arm_lift", "left_elbow", "rod")
+    assert set(found.held) == set(held)
+    assert f"{', '.join(found.held)}: of closed chains" in told(found)
+    (tmp_path / "wren.yaml").write_text(robot_text(found, urdf.name))
+    robot = load_robot(tmp_path / "wren.yaml")
+    assert robot.optional == set(held)
+    others = [index for index, name in enumerate(robot.joint_names) if name not in held]
+    reported = [robot.joint_names[index] for index in others]
+    angles = robot.from_measured(reported, robot.posture[others])
+    np.testing.assert_array_equal(angles, robot.posture)
+
+
+@pytest.mark.parametrize(
+    ("ends", "field", "why"),
+    [
+        (("left_hip", "left_sole"), "legs: joints left_hip_sway, left_hip_swing", "(rod) go"),
+        (("left_hip", "left_sol"), "loop_joint rod", "no link has the name 'left_sol'"),
+    ],
+)
+def test_closed_chains_across_a_leg_are_refused(
+    ends: tuple[str, str], field: str, why: str, tmp_path: Path
+) -> None:
+    with pytest.raises(FileError) as raised:
+        draft_robot(with_more(tmp_path, LOOP.format(*ends)), "wren")
+    assert raised.value.field.startswith(field)
+    assert why in raised.value.problem
+
+
+def test_a_link_that_hangs_on_two_joints_is_named(tmp_path: Path) -> None:
+    rod = """<joint name="rod" type="fixed"><parent link="left_hip"/>
+        <child link="right_sole"/></joint>"""
+    with pytest.raises(FileError, match="right_ankle_sway and rod") as raised:
+        draft_robot(with_more(tmp_path, rod), "wren")
+    assert raised.value.field == "link right_sole"
+
+
 def test_joints_without_limits_and_followers(tmp_path: Path) -> None:
     """A hand that turns for ever, fingers without masses to speak of that follow it."""
     mimic = '<mimic joint="hand" multiplier="0.9" offset="0"/>'
