@@ -47,11 +47,13 @@ class Converted:
         urdf: its text.
         meshes: STL files by the paths that the URDF names them by.
         assumed: what the MJCF does not say and was put in, with what to check.
+        keyframes: postures by name, each with its angles by joint [rad or m].
     """
 
     urdf: str
     meshes: Mapping[str, bytes]
     assumed: tuple[Note, ...]
+    keyframes: Mapping[str, Mapping[str, float]]
 
     def write(self, urdf: Path) -> Path:
         """Write the URDF, and the meshes next to it; the URDF's path."""
@@ -130,7 +132,21 @@ class _Writer:
             assumed.append(
                 Note("joint", f"{', '.join(self._weak)}: no limit of torque, {effort}", own)
             )
-        return Converted(f"{text}\n", self._meshes, tuple(assumed))
+        return Converted(f"{text}\n", self._meshes, tuple(assumed), self._keyframes())
+
+    def _keyframes(self) -> dict[str, dict[str, float]]:
+        model = self._model
+        joints = {
+            self._name(mjtObj.mjOBJ_JOINT, joint): int(model.jnt_qposadr[joint])
+            for body in self._bodies
+            for joint in self._moving(body)
+        }
+        return {
+            self._name(mjtObj.mjOBJ_KEY, key): {
+                name: float(model.key_qpos[key][place]) for name, place in joints.items()
+            }
+            for key in range(model.nkey)
+        }
 
     def _find_base(self) -> int:
         """The body whose tree has most joints: the one with a free joint, or welded to the world.

@@ -170,6 +170,12 @@ def _posture(draft: Draft) -> Note:
     arms = ""
     if draft.clipped:
         arms = f" {', '.join(draft.clipped)} cannot be zero: nearest limit."
+    if draft.keyframe:
+        return Note(
+            "posture_rad",
+            f"Begins at keyframe {draft.keyframe}: in the zero pose the robot does not stand.",
+            "both soles are level there, the CoM above them; nothing there is at a limit.",
+        )
     return Note(
         "posture_rad",
         f"Knees bent, soles level, CoM over the soles; all else at zero.{arms}",

@@ -20,7 +20,7 @@ from shoecal_core.drafting.text import robot_text, shoe_text
 from shoecal_core.errors import FileError
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot_file import load_robot
-from shoecal_core.robot.urdf import read_urdf, with_joints_plain
+from shoecal_core.robot.urdf import move_zero, read_urdf, with_joints_plain
 
 FINGER = """<link name="{0}"><inertial><mass value="1e-6"/><inertia ixx="1e-9" ixy="0" ixz="0"
     iyy="1e-9" iyz="0" izz="1e-9"/></inertial></link>
@@ -91,6 +91,42 @@ def drafted(urdf: Path) -> Draft:
 
 def told(found: Draft) -> str:
     return " ".join(note.found for note in (*robot_notes(found), *shoe_notes(found)))
+
+
+def sitting(folder: Path) -> tuple[Path, dict[str, float]]:
+    """The known robot, legs forward in its zero pose; and its angles there before, by joint."""
+    root = ElementTree.parse(ROBOTS / "wren.urdf").getroot()
+    posture = draft("wren").posture
+    hips = ("left_hip_swing", "right_hip_swing")
+    bent = {hip: float(np.copysign(2.0, posture[hip])) for hip in hips}
+    for joint in root.iter("joint"):
+        if angle := bent.get(joint.get("name", ""), 0.0):
+            move_zero(joint, angle)
+            limit = next(joint.iter("limit"))
+            for end in ("lower", "upper"):
+                limit.set(end, str(float(limit.get(end, "")) - angle))
+    urdf = folder / "wren.urdf"
+    ElementTree.ElementTree(root).write(urdf)
+    return urdf, bent
+
+
+def test_a_keyframe_stands_where_the_zero_pose_does_not(tmp_path: Path) -> None:
+    """With knees bent it is the start; with straight ones they are bent from there."""
+    urdf, bent = sitting(tmp_path)
+    with pytest.raises(FileError, match="has no feet") as sat:
+        draft_robot(urdf, "wren")
+    usual = draft("wren")
+    standing = {name: angle - bent.get(name, 0.0) for name, angle in usual.posture.items()}
+    straight = {name: -angle for name, angle in bent.items()}
+    for name, angles in (("home", standing | {"head_pan": 0.2}), ("straight", straight)):
+        found = draft_robot(urdf, "wren", keyframes={"seat": {"head_pan": 0.1}, name: angles})
+        prove(found, robot_text(found, urdf.name), shoe_text(found))
+        assert f"keyframe {name}" in told(found)
+        assert found.posture.pop("head_pan", 0.0) == (0.2 if name == "home" else 0.0)
+        before = {one: angle + bent.get(one, 0.0) for one, angle in found.posture.items()}
+        assert before == pytest.approx(usual.posture, abs=2e-3)
+    with pytest.raises(FileError, match=re.escape(sat.value.problem)):
+        draft_robot(urdf, "wren", keyframes={"seat": {"head_pan": 0.1}})
 
 
 LOOP = '<loop_joint name="rod"><link1 link="{}"/><link2 link="{}"/></loop_joint>'

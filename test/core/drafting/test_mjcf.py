@@ -168,6 +168,15 @@ def test_what_is_not_of_hinges_is_refused_with_its_cure(
     assert raised.value.path == odd
 
 
+def test_keyframes_are_kept_by_joint(odd: Path) -> None:
+    key = """<keyframe><key name="home" qpos="0 0 1 1 0 0 0  0.1 0.2 0.3 0.01 0.5"/>
+        <key qpos="0 0 1 1 0 0 0  0 0 0 0 0"/></keyframe><sensor>"""
+    odd.write_text(odd.read_text().replace("<sensor>", key).replace('range="-0.5 0.5"', ""))
+    found = as_urdf(odd, "meshes").keyframes
+    assert found["home"] == {"yaw": 0.1, "roll": 0.2, "loose": 0.3, "slide": 0.01, "ankle": 0.5}
+    assert list(found) == ["home", "key_1"]
+
+
 ROD = """<body name="rod" pos="0 0 -0.1">
       <joint name="bearing" type="ball"/><geom type="sphere" size="0.01" mass="0.05"/>
     </body></body>
