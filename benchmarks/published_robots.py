@@ -79,6 +79,11 @@ ROBOTS = (
         "bit-bots/wolfgang_robot",
         "wolfgang_description/urdf/robot.urdf",
     ),
+    Published(
+        "REEM-C (PAL Robotics)",
+        "pal-robotics/reemc_robot",
+        "reemc_description/robots/reemc_full_ft_hey5.urdf.xacro",
+    ),
     Published("G1, 23 joints (Unitree)", UNITREE, "robots/g1_description/g1_23dof_rev_1_0.urdf"),
     Published("G1, 29 joints (Unitree)", UNITREE, "robots/g1_description/g1_29dof_rev_1_0.xml"),
     Published("H1-2 (Unitree)", UNITREE, "robots/h1_2_description/h1_2.urdf"),

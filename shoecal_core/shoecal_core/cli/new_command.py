@@ -86,6 +86,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
                 six_axis=args.six_axis,
                 sole=_sole(args.sole),
                 meshes=args.mesh_dir,
+                keyframes=None if converted is None else converted.keyframes,
             )
             texts = {out: robot_text(draft, relative(urdf, out.parent)), shoe: shoe_text(draft)}
             robot, worn = prove(draft, texts[out], texts[shoe])

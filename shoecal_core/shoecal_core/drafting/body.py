@@ -33,7 +33,7 @@ Y_TO_Z = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 
 @dataclass(frozen=True)
 class Body:
-    """A robot in its zero pose, base at the origin.
+    """A robot in its zero pose, or the one that it is drafted in instead; base at the origin.
 
     Attributes:
         urdf: the file.
@@ -42,6 +42,7 @@ class Body:
         mimics: joints that another one's motor turns.
         locked: joints that the file fixes by equal limits.
         meshes: folder in which its meshes are, where they are not where the file says.
+        start: angles of the joints of the model that it is in [rad].
         placements: of every joint of the model, in the base.
         centres: (3,) of every joint on its axis, wherever along it the file puts the joint's
             frame, in the base [m].
@@ -53,6 +54,7 @@ class Body:
     mimics: Mapping[str, Mimic]
     locked: tuple[str, ...]
     meshes: Path | None
+    start: FloatArray
     placements: tuple[pin.SE3, ...]
     centres: tuple[FloatArray, ...]
 
@@ -79,28 +81,33 @@ class Body:
         )
 
 
-def read_body(urdf: Path, meshes: Path | None = None) -> Body:
+def read_body(
+    urdf: Path, meshes: Path | None = None, start: Mapping[str, float] | None = None
+) -> Body:
     """Read a URDF.
 
     Args:
         urdf: the file.
         meshes: folder in which its meshes are; None: where the file says, or near it.
+        start: angles by joint [rad] of a posture in which it stands; None: zero.
 
     Raises:
         FileError: for one that is not understood whole: no masses, no limits, broken joints.
     """
     description = read_urdf(urdf)
-    data = description.model.createData()
-    zero = np.zeros(description.model.nq)
-    zero[6] = 1.0
-    pin.forwardKinematics(description.model, data, zero)
+    model, angles = description.model, np.zeros(description.model.njoints)
+    q = pin.neutral(model)
+    for joint in own_joints(model):
+        angles[joint] = (start or {}).get(str(model.names[joint]), 0.0)
+        q[model.joints[joint].idx_q] = angles[joint]
+    data = model.createData()
+    pin.forwardKinematics(model, data, q)
     # read_urdf has refused document types, so no entity can unfold here.
     root = ElementTree.parse(urdf).getroot()  # noqa: S314
     placements = tuple(pin.SE3(placement) for placement in data.oMi)
-    centres = _centres(description.model, placements)
     return Body(
-        urdf, root, description.model, description.mimics, description.locked, meshes, placements,
-        centres,
+        urdf, root, model, description.mimics, description.locked, meshes, angles, placements,
+        _centres(model, placements),
     )  # fmt: skip
 
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import tempfile
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,7 @@ from shapely.ops import nearest_points
 from shoecal_core.arrays import FloatArray
 from shoecal_core.drafting.body import Body, Shapes, find_shapes, own_joints, read_body
 from shoecal_core.drafting.capsules import DraftCapsule, find_capsules, pairs_of
+from shoecal_core.drafting.closed_chains import held_joints
 from shoecal_core.drafting.foot_cells import FootCells, find_cells
 from shoecal_core.drafting.legs import UP, LegChains, find_legs
 from shoecal_core.drafting.mirrored import crossed_limits
@@ -69,7 +71,9 @@ class Draft:
         other_sensors: six-axis sensors of the legs that are not used.
         parallel_sensors: of feet with several sensors, each of which carries a part of the load.
         missing_meshes: of the legs, each with what is the matter; their capsules are not known.
+        held: joints that closed chains of links hold; none of the legs.
         measured: the soles' sizes were given, not found.
+        keyframe: name of the posture that it was drafted in; empty: the zero pose.
     """
 
     name: str
@@ -85,7 +89,9 @@ class Draft:
     other_sensors: list[str]
     parallel_sensors: list[str]
     missing_meshes: tuple[str, ...]
+    held: tuple[str, ...]
     measured: bool
+    keyframe: str = ""
 
     @property
     def mass(self) -> float:
@@ -148,7 +154,9 @@ class Draft:
         return [
             str(self.body.model.names[joint])
             for joint in own_joints(self.body.model)
-            if joint not in legs and self.body.model.names[joint] in self.posture
+            if joint not in legs
+            and self.body.start[joint] == 0.0
+            and self.body.model.names[joint] in self.posture
         ]
 
     def polygon(self, foot: int) -> FloatArray:
@@ -181,8 +189,11 @@ def draft_robot(
     six_axis: bool = False,
     sole: SoleSize | None = None,
     meshes: Path | None = None,
+    keyframes: Mapping[str, Mapping[str, float]] | None = None,
 ) -> Draft:
     """Find legs, soles, posture, capsules and sensors in a URDF.
+
+    Where they are not found in the zero pose, the keyframes are tried, in their order.
 
     Args:
         urdf: of the robot.
@@ -190,13 +201,29 @@ def draft_robot(
         six_axis: the feet have six-axis sensors even where the URDF names none.
         sole: measured; None: found from the feet's shapes.
         meshes: folder of the meshes; None: where the URDF says, or near it.
+        keyframes: postures by name, each with its angles by joint [rad].
 
     Raises:
         FileError: for a URDF that is no humanoid on two feet, without masses or limits, or without
             shapes of the feet where no sole was measured.
     """
-    body = read_body(urdf, meshes)
+    try:
+        return _draft(read_body(urdf, meshes), name, sole, six_axis=six_axis)
+    except FileError:
+        for keyframe, angles in (keyframes or {}).items():
+            try:
+                body = read_body(urdf, meshes, angles)
+                drafted = _draft(body, name, sole, six_axis=six_axis)
+            except FileError:
+                continue  # what is wrong with the zero pose is said
+            return replace(drafted, keyframe=keyframe)
+        raise
+
+
+def _draft(body: Body, name: str, sole: SoleSize | None, *, six_axis: bool) -> Draft:
+    """In the posture that the body is in."""
     legs = find_legs(body)
+    held = held_joints(body, legs)
     check_size(body, legs)
     shapes = find_shapes(body, {joint for chain in legs.chains for joint in chain})
     soles = _soles(body, legs, shapes, sole)
@@ -220,6 +247,7 @@ def draft_robot(
         other_sensors=elsewhere(body, legs),
         parallel_sensors=more_on_feet(body, legs, soles),
         missing_meshes=tuple(sorted({file for one in shapes.missing.values() for file in one})),
+        held=held,
         measured=sole is not None,
     )
 

@@ -19,6 +19,7 @@ from mujoco import mjtEq, mjtGeom, mjtJoint, mjtObj, mjtSensor, mjtTrn
 from scipy.spatial import ConvexHull, QhullError
 
 from shoecal_core.arrays import FloatArray
+from shoecal_core.drafting.closed_chains import LOOP
 from shoecal_core.drafting.notes import Note
 from shoecal_core.files import atomic_write, make_folder
 from shoecal_core.robot.mjcf import MjcfError, read_mjcf
@@ -46,11 +47,13 @@ class Converted:
         urdf: its text.
         meshes: STL files by the paths that the URDF names them by.
         assumed: what the MJCF does not say and was put in, with what to check.
+        keyframes: postures by name, each with its angles by joint [rad or m].
     """
 
     urdf: str
     meshes: Mapping[str, bytes]
     assumed: tuple[Note, ...]
+    keyframes: Mapping[str, Mapping[str, float]]
 
     def write(self, urdf: Path) -> Path:
         """Write the URDF, and the meshes next to it; the URDF's path."""
@@ -71,8 +74,8 @@ def as_urdf(path: Path, meshes: str) -> Converted:
         meshes: folder of the meshes, next to the URDF.
 
     Raises:
-        MjcfError: for a model that MuJoCo does not compile, or that is no tree of hinges and
-            slides.
+        MjcfError: for a model that MuJoCo does not compile, or that has other joints than
+            hinges and slides.
     """
     lost: list[str] = []
     return _Writer(path, read_mjcf(path, lost)[1], meshes, lost).written()
@@ -99,6 +102,10 @@ class _Writer:
         """The URDF and its meshes."""
         self._write_body(self._base, "")
         self._write_sensors()
+        for name, *ends in self._closing():
+            loop = ElementTree.SubElement(self._robot, LOOP, {"name": name})
+            for tag, end in zip(("link1", "link2"), ends, strict=True):
+                ElementTree.SubElement(loop, tag, {"link": self._link_name(end)})
         ElementTree.indent(self._robot)
         text = ElementTree.tostring(self._robot, encoding="unicode")
         own = "give the motors' own there."
@@ -125,7 +132,21 @@ class _Writer:
             assumed.append(
                 Note("joint", f"{', '.join(self._weak)}: no limit of torque, {effort}", own)
             )
-        return Converted(f"{text}\n", self._meshes, tuple(assumed))
+        return Converted(f"{text}\n", self._meshes, tuple(assumed), self._keyframes())
+
+    def _keyframes(self) -> dict[str, dict[str, float]]:
+        model = self._model
+        joints = {
+            self._name(mjtObj.mjOBJ_JOINT, joint): int(model.jnt_qposadr[joint])
+            for body in self._bodies
+            for joint in self._moving(body)
+        }
+        return {
+            self._name(mjtObj.mjOBJ_KEY, key): {
+                name: float(model.key_qpos[key][place]) for name, place in joints.items()
+            }
+            for key in range(model.nkey)
+        }
 
     def _find_base(self) -> int:
         """The body whose tree has most joints: the one with a free joint, or welded to the world.
@@ -148,10 +169,13 @@ class _Writer:
         )
 
     def _check(self) -> None:
-        model = self._model
+        model, closed = self._model, set[int]()
+        for _, one, other in self._closing():
+            closed |= self._above(one) ^ self._above(other)
         for joint in range(model.njnt):
             body = int(model.jnt_bodyid[joint])
-            if body not in self._bodies or self._floats(body):
+            # Balls of rods that close a chain stay as they are: the chain does.
+            if body not in self._bodies or self._floats(body) or body in closed:
                 continue
             if model.jnt_type[joint] == mjtJoint.mjJNT_BALL:
                 raise MjcfError(
@@ -159,15 +183,28 @@ class _Writer:
                     "is a ball joint; give three hinges in its place",
                     field=f"joint {self._name(mjtObj.mjOBJ_JOINT, joint)}",
                 )
+
+    def _closing(self) -> list[tuple[str, int, int]]:
+        """What closes chains of links: its name, and the two bodies that it holds together."""
+        model, found = self._model, []
         for one in range(model.neq):
-            if mjtEq(int(model.eq_type[one])) in (mjtEq.mjEQ_CONNECT, mjtEq.mjEQ_WELD):
-                name = self._name(mjtObj.mjOBJ_EQUALITY, one)
-                raise MjcfError(
-                    self._path,
-                    "closes a chain of links, whose passive joints are not measured; take the "
-                    "linkage out and put the motor where it drives the leg",
-                    field=f"equality {name}",
-                )
+            kind = mjtEq(int(model.eq_type[one]))
+            ends = (int(model.eq_obj1id[one]), int(model.eq_obj2id[one]))
+            if kind not in (mjtEq.mjEQ_CONNECT, mjtEq.mjEQ_WELD) or not model.eq_active0[one]:
+                continue
+            if model.eq_objtype[one] == mjtObj.mjOBJ_SITE:
+                ends = (int(model.site_bodyid[ends[0]]), int(model.site_bodyid[ends[1]]))
+            if set(ends) <= self._bodies:
+                found.append((self._name(mjtObj.mjOBJ_EQUALITY, one), *ends))
+        return found
+
+    def _above(self, body: int) -> set[int]:
+        """A body and those that it hangs on, the world left out."""
+        found = set[int]()
+        while body:
+            found.add(body)
+            body = int(self._model.body_parentid[body])
+        return found
 
     # The tree
 

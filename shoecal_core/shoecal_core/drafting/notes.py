@@ -85,6 +85,14 @@ def robot_notes(draft: Draft) -> list[Note]:
                 "it is locked there; else give its limits in the URDF.",
             )
         )
+    if draft.held:
+        notes.append(
+            Note(
+                "optional_joints",
+                f"{', '.join(draft.held)}: of closed chains, held where posture_rad has them.",
+                "they do not move while the robot is calibrated; a driver need not report them.",
+            )
+        )
     notes.append(_posture(draft))
     notes.append(
         Note(
@@ -162,6 +170,12 @@ def _posture(draft: Draft) -> Note:
     arms = ""
     if draft.clipped:
         arms = f" {', '.join(draft.clipped)} cannot be zero: nearest limit."
+    if draft.keyframe:
+        return Note(
+            "posture_rad",
+            f"Begins at keyframe {draft.keyframe}: in the zero pose the robot does not stand.",
+            "both soles are level there, the CoM above them; nothing there is at a limit.",
+        )
     return Note(
         "posture_rad",
         f"Knees bent, soles level, CoM over the soles; all else at zero.{arms}",

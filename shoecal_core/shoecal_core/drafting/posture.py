@@ -33,10 +33,14 @@ SHARES = (0.1, 0.9)
 def find_posture(body: Body, legs: LegChains, soles: Sequence[Sole]) -> dict[str, float]:
     """Angles by joint [rad]; joints at zero and followers of other motors are left out.
 
+    Of a robot that is drafted in another than its zero pose, with its knees bent, it is that one.
+
     Raises:
         UrdfError: for legs without hip, knee and ankle that swing, or knees that do not bend.
     """
     swings = [_swings(body, chain, legs.left) for chain in legs.chains]
+    if body.start.any() and min(_knee_angle(body, swing) for swing in swings) >= LEAST_BEND:
+        return _named(body, _resting(body))
     bend = min(_bend(body, swing[1], legs) for swing in swings)
     angles = _resting(body)
 
@@ -53,6 +57,10 @@ def find_posture(body: Body, legs: LegChains, soles: Sequence[Sole]) -> dict[str
         share = low if abs(begin) < abs(end) else high
     ahead(float(share))
     _level_soles(body, angles, legs, soles)
+    return _named(body, angles)
+
+
+def _named(body: Body, angles: FloatArray) -> dict[str, float]:
     names = body.model.names
     return {
         str(names[joint]): _rounded(float(angles[joint]), *body.range(joint))
@@ -88,7 +96,8 @@ def _sense(body: Body, joint: int, left: FloatArray) -> float:
 
 def _bend(body: Body, knee: int, legs: LegChains) -> float:
     low, high = body.range(knee)
-    most = (high if _sense(body, knee, legs.left) > 0.0 else -low) - MARGIN
+    start = float(body.start[knee])
+    most = (high - start if _sense(body, knee, legs.left) > 0.0 else start - low) - MARGIN
     if most < LEAST_BEND:
         names = body.model.names
         cure = "correct its limits or its axis"
@@ -108,11 +117,18 @@ def _bend(body: Body, knee: int, legs: LegChains) -> float:
     return min(BEND, most)
 
 
+def _knee_angle(body: Body, swing: tuple[int, int, int]) -> float:
+    """Between thigh and shank [rad]."""
+    hip, knee, ankle = (body.centres[joint] for joint in swing)
+    thigh, shank = knee - hip, ankle - knee
+    return float(np.arctan2(np.linalg.norm(np.cross(thigh, shank)), thigh @ shank))
+
+
 def _resting(body: Body) -> FloatArray:
-    """(njoints,) zero, or what is nearest to it within the limits."""
+    """(njoints,) as the robot is drafted, or what is nearest to it within the limits."""
     angles = np.zeros(body.model.njoints)
     for joint in own_joints(body.model):
-        angles[joint] = np.clip(0.0, *body.range(joint))
+        angles[joint] = np.clip(body.start[joint], *body.range(joint))
     return angles
 
 
@@ -130,9 +146,8 @@ def _bent(
         tilt = float(np.arctan2(sole.in_base.rotation[:, 2] @ legs.forward, 1.0))
         for joint, backwards in ((hip, -hip_bend), (knee, bend), (ankle, hip_bend - bend - tilt)):
             low, high = body.range(joint)
-            angles[joint] = np.clip(
-                _sense(body, joint, legs.left) * backwards, low + MARGIN, high - MARGIN
-            )
+            angle = body.start[joint] + _sense(body, joint, legs.left) * backwards
+            angles[joint] = np.clip(angle, low + MARGIN, high - MARGIN)
 
 
 def _level_soles(body: Body, angles: FloatArray, legs: LegChains, soles: Sequence[Sole]) -> None:

@@ -73,6 +73,9 @@ def robot_text(draft: Draft, urdf: str) -> str:
     page.lines.append("")
     page.say("legs")
     page.lines += ["legs:", *(f"  - {_text(name)}" for name in draft.leg_names), ""]
+    if draft.held:
+        page.say("optional_joints")
+        page.lines += ["optional_joints:", *(f"  - {_text(name)}" for name in draft.held), ""]
     page.say("posture_rad")
     page.lines += ["posture_rad:"]
     page.lines += [f"  {_text(name)}: {angle:g}" for name, angle in draft.posture.items()]

@@ -393,6 +393,7 @@ class _Reader:
         self.locked: list[str] = []
         self._path = path
         self._place: list[str] = []
+        self._hangs_on: dict[str, str] = {}
         self._name = ""
         self._kind = ""
         self._limitless = False
@@ -416,11 +417,23 @@ class _Reader:
                 self._joint_number(attributes, key, "0")
             if self._kind in ("revolute", "prismatic") and limits_are_one(attributes):
                 self.locked.append(self._name)
+        elif self._place == ["robot", "joint", "child"]:
+            self._hang(attributes.get("link", ""))
         elif self._place == ["robot", "joint", "mimic"]:
             self.mimics[self._name] = Mimic(
                 leader=attributes.get("joint", ""),
                 multiplier=self._joint_number(attributes, "multiplier", "1"),
                 offset=self._joint_number(attributes, "offset", "0"),
+            )
+
+    def _hang(self, link: str) -> None:
+        other = self._hangs_on.setdefault(link, self._name)
+        if other != self._name:
+            raise UrdfError(
+                self._path,
+                f"hangs on two joints ({other} and {self._name}), and a URDF is a tree; take one "
+                "out, or close the chain by a <loop_joint> between two links",
+                field=f"link {link}",
             )
 
     def _start_of_inertial(self, tag: str, attributes: dict[str, str]) -> None:

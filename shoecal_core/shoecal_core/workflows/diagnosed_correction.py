@@ -115,6 +115,12 @@ def _read(path: Path) -> Fields:
         ) from error
     if not isinstance(value, dict):
         raise FileSyntaxError(path, "no diagnosis; name a file of `shoecal diagnose --json`")
+    if isinstance(failure := value.get("error"), dict):
+        raise FieldError(
+            path,
+            f"this diagnosis failed ({failure.get('message', '')}); diagnose again",
+            field="error",
+        )
     return Fields(path, "", value)
 
 

@@ -46,6 +46,8 @@ FITTED = frozenset(("joint_offset", "link_mass", "link_com"))
 FOLDS = 4
 """Of a cross-validation."""
 MJCF, RANDOMISATION = "robot.xml", "randomisation.yaml"
+_RELATIVE = re.compile(r'<mesh\s[^>]*?filename="(?![/\\]|\w+:)([^"]+)"')
+"""A mesh that a URDF looks for from its own folder."""
 _URDF_LINE = re.compile(r"^urdf:.*$", re.MULTILINE)
 _WEIGHT = r"^(weight:(?:(?!^\S).)*?{key}:\s*)([-+.0-9eE]+)"
 
@@ -200,9 +202,10 @@ def corrected_files(
         ROBOT: _weighing(session.robot_yaml, _naming(session.robot_yaml, URDF), found),
         RANDOMISATION: _randomisation(found, shod, bare, correction).text(),
     }
-    left: tuple[str, ...] = ()
+    left = _meshes_left(files[URDF])
     if mjcf is not None:
-        files[MJCF], left = corrected_mjcf(mjcf, bare, correction)
+        files[MJCF], without = corrected_mjcf(mjcf, bare, correction)
+        left += without
     return Corrected(files, tuple(found), left)
 
 
@@ -358,6 +361,14 @@ def _weighing(path: Path, text: str, found: Sequence[Found]) -> str:
         new = old + mass if key == "mass_kg" else float(np.hypot(old, std))
         text = f"{text[: match.start(2)]}{new:.6g}{text[match.end(2) :]}"
     return text
+
+
+def _meshes_left(urdf: str) -> tuple[str, ...]:
+    """In words, that a copy of a URDF does not find meshes in another folder; else nothing."""
+    if (mesh := _RELATIVE.search(urdf)) is None:
+        return ()
+    where = f"{URDF} names them from its folder ({mesh[1]}), as the original does"
+    return (f"meshes: {where}; copy it next to that one to see them",)
 
 
 def _text(path: Path) -> str:

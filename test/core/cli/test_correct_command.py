@@ -17,6 +17,7 @@ from shoecal_core.recording.session import Session
 from shoecal_core.robot.randomisation import load_randomisation
 from shoecal_core.robot.urdf import read_urdf
 from shoecal_core.workflows.evaluation import evaluate_session
+from shoecal_core.workflows.model_correction import corrected_files
 
 PERFECT = ROOT / "config" / "realities" / "perfect.yaml"
 
@@ -90,6 +91,22 @@ def assert_randomised(out: Path, session: Path, changes: list[dict[str, object]]
         if one["effect"] == "joint_offset"
     }
     assert {name: (one.mean, one.std) for name, one in zeros.items()} == wanted
+
+
+@pytest.mark.parametrize(
+    ("mesh", "told"),
+    [("meshes/beak.stl", True), ("package://wren/beak.stl", False), ("/opt/beak.stl", False)],
+)
+def test_meshes_that_a_copy_does_not_find_are_told(
+    mesh: str, told: bool, sessions: tuple[Path, Path], tmp_path: Path
+) -> None:
+    session = tmp_path / "session"
+    shutil.copytree(sessions[1], session)
+    shape = f'<visual><geometry><mesh filename="{mesh}"/></geometry></visual>'
+    urdf = session / "robot.urdf"
+    urdf.write_text(urdf.read_text().replace("</link>", f"{shape}</link>", 1))
+    left = corrected_files(Session.open(session, force=True), ()).left
+    assert [mesh in one and "copy it next to" in one for one in left] == [True] * told
 
 
 def test_files_that_gain_nothing_stay(shoecal: Run, tmp_path: Path) -> None:

@@ -20,7 +20,7 @@ from shoecal_core.drafting.text import robot_text, shoe_text
 from shoecal_core.errors import FileError
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot_file import load_robot
-from shoecal_core.robot.urdf import read_urdf, with_joints_plain
+from shoecal_core.robot.urdf import move_zero, read_urdf, with_joints_plain
 
 FINGER = """<link name="{0}"><inertial><mass value="1e-6"/><inertia ixx="1e-9" ixy="0" ixz="0"
     iyy="1e-9" iyz="0" izz="1e-9"/></inertial></link>
@@ -91,6 +91,86 @@ def drafted(urdf: Path) -> Draft:
 
 def told(found: Draft) -> str:
     return " ".join(note.found for note in (*robot_notes(found), *shoe_notes(found)))
+
+
+def sitting(folder: Path) -> tuple[Path, dict[str, float]]:
+    """The known robot, legs forward in its zero pose; and its angles there before, by joint."""
+    root = ElementTree.parse(ROBOTS / "wren.urdf").getroot()
+    posture = draft("wren").posture
+    hips = ("left_hip_swing", "right_hip_swing")
+    bent = {hip: float(np.copysign(2.0, posture[hip])) for hip in hips}
+    for joint in root.iter("joint"):
+        if angle := bent.get(joint.get("name", ""), 0.0):
+            move_zero(joint, angle)
+            limit = next(joint.iter("limit"))
+            for end in ("lower", "upper"):
+                limit.set(end, str(float(limit.get(end, "")) - angle))
+    urdf = folder / "wren.urdf"
+    ElementTree.ElementTree(root).write(urdf)
+    return urdf, bent
+
+
+def test_a_keyframe_stands_where_the_zero_pose_does_not(tmp_path: Path) -> None:
+    """With knees bent it is the start; with straight ones they are bent from there."""
+    urdf, bent = sitting(tmp_path)
+    with pytest.raises(FileError, match="has no feet") as sat:
+        draft_robot(urdf, "wren")
+    usual = draft("wren")
+    standing = {name: angle - bent.get(name, 0.0) for name, angle in usual.posture.items()}
+    straight = {name: -angle for name, angle in bent.items()}
+    for name, angles in (("home", standing | {"head_pan": 0.2}), ("straight", straight)):
+        found = draft_robot(urdf, "wren", keyframes={"seat": {"head_pan": 0.1}, name: angles})
+        prove(found, robot_text(found, urdf.name), shoe_text(found))
+        assert f"keyframe {name}" in told(found)
+        assert found.posture.pop("head_pan", 0.0) == (0.2 if name == "home" else 0.0)
+        before = {one: angle + bent.get(one, 0.0) for one, angle in found.posture.items()}
+        assert before == pytest.approx(usual.posture, abs=2e-3)
+    with pytest.raises(FileError, match=re.escape(sat.value.problem)):
+        draft_robot(urdf, "wren", keyframes={"seat": {"head_pan": 0.1}})
+
+
+LOOP = '<loop_joint name="rod"><link1 link="{}"/><link2 link="{}"/></loop_joint>'
+
+
+def test_closed_chains_outside_the_legs_are_held(tmp_path: Path) -> None:
+    """A rod from the shoulder to the forearm: a driver need not report what it holds."""
+    rod = FINGER.format("rod", "left_shoulder", "")
+    urdf = with_more(tmp_path, rod + LOOP.format("rod", "left_forearm"))
+    found = drafted(urdf)
+    held = ("left_arm_lift", "left_elbow", "rod")
+    assert set(found.held) == set(held)
+    assert f"{', '.join(found.held)}: of closed chains" in told(found)
+    (tmp_path / "wren.yaml").write_text(robot_text(found, urdf.name))
+    robot = load_robot(tmp_path / "wren.yaml")
+    assert robot.optional == set(held)
+    others = [index for index, name in enumerate(robot.joint_names) if name not in held]
+    reported = [robot.joint_names[index] for index in others]
+    angles = robot.from_measured(reported, robot.posture[others])
+    np.testing.assert_array_equal(angles, robot.posture)
+
+
+@pytest.mark.parametrize(
+    ("ends", "field", "why"),
+    [
+        (("left_hip", "left_sole"), "legs: joints left_hip_sway, left_hip_swing", "(rod) go"),
+        (("left_hip", "left_sol"), "loop_joint rod", "no link has the name 'left_sol'"),
+    ],
+)
+def test_closed_chains_across_a_leg_are_refused(
+    ends: tuple[str, str], field: str, why: str, tmp_path: Path
+) -> None:
+    with pytest.raises(FileError) as raised:
+        draft_robot(with_more(tmp_path, LOOP.format(*ends)), "wren")
+    assert raised.value.field.startswith(field)
+    assert why in raised.value.problem
+
+
+def test_a_link_that_hangs_on_two_joints_is_named(tmp_path: Path) -> None:
+    rod = """<joint name="rod" type="fixed"><parent link="left_hip"/>
+        <child link="right_sole"/></joint>"""
+    with pytest.raises(FileError, match="right_ankle_sway and rod") as raised:
+        draft_robot(with_more(tmp_path, rod), "wren")
+    assert raised.value.field == "link right_sole"
 
 
 def test_joints_without_limits_and_followers(tmp_path: Path) -> None:

@@ -153,13 +153,10 @@ def test_a_base_that_hangs_on_the_world_is_to_get_a_free_joint(tmp_path: Path) -
     [
         ('<joint name="ankle" axis="0 1 0" range="-50 50" actuatorfrcrange="-4 4"/>',
          '<joint name="ankle" type="ball"/>', "joint ankle", "three hinges"),
-        ("<sensor>", (
-         '<equality><connect name="rod" body1="foot" body2="torso" anchor="0 0 0"/>'
-         "</equality><sensor>"), "equality rod", "linkage"),
         ('mesh="wedge" mass', 'mesh="gone" mass', "", "MuJoCo does not read it"),
     ],
 )  # fmt: skip
-def test_what_is_no_tree_of_hinges_is_refused_with_its_cure(
+def test_what_is_not_of_hinges_is_refused_with_its_cure(
     odd: Path, old: str, new: str, field: str, word: str
 ) -> None:
     text = odd.read_text()
@@ -169,6 +166,38 @@ def test_what_is_no_tree_of_hinges_is_refused_with_its_cure(
         as_urdf(odd, "odd_meshes")
     assert raised.value.field == field
     assert raised.value.path == odd
+
+
+def test_keyframes_are_kept_by_joint(odd: Path) -> None:
+    key = """<keyframe><key name="home" qpos="0 0 1 1 0 0 0  0.1 0.2 0.3 0.01 0.5"/>
+        <key qpos="0 0 1 1 0 0 0  0 0 0 0 0"/></keyframe><sensor>"""
+    odd.write_text(odd.read_text().replace("<sensor>", key).replace('range="-0.5 0.5"', ""))
+    found = as_urdf(odd, "meshes").keyframes
+    assert found["home"] == {"yaw": 0.1, "roll": 0.2, "loose": 0.3, "slide": 0.01, "ankle": 0.5}
+    assert list(found) == ["home", "key_1"]
+
+
+ROD = """<body name="rod" pos="0 0 -0.1">
+      <joint name="bearing" type="ball"/><geom type="sphere" size="0.01" mass="0.05"/>
+    </body></body>
+    <body name="head" pos="0 0 0.2">"""
+
+
+def test_what_closes_a_chain_is_written_down(odd: Path) -> None:
+    """A rod on a ball; what is not active, or holds to the world, closes none."""
+    text = odd.read_text()
+    closing = """<equality>
+      <connect name="rod" body1="rod" body2="shank" anchor="0 0 0"/>
+      <weld name="hook" body1="torso"/>
+      <weld name="pin" body1="foot" body2="torso" active="false"/>
+    </equality><sensor>"""
+    end_of_leg = '</body>\n      <body name="head" pos="0 0 0.2">'
+    assert end_of_leg in text
+    text = text.replace(end_of_leg, ROD)
+    odd.write_text(text.replace("<sensor>", closing))
+    (loop,) = ElementTree.fromstring(as_urdf(odd, "meshes").urdf).iter("loop_joint")
+    ends = [end.get("link") for end in loop]
+    assert (loop.get("name"), ends) == ("rod", ["rod", "shank"])
 
 
 def with_lost_mesh(text: str, inertial: str) -> str:

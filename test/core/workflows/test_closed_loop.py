@@ -135,6 +135,7 @@ def test_a_diagnosis_that_names_no_cause_is_refused(
         ({"sessions": [found]}, ("sessions", "alone")),
         ({"robot": "wren"}, ("robot", "name its session")),
         ({"causes": [creep]}, ("causes", "creep (left)", "joint_offset")),
+        ({"error": {"message": "no effect named 'x'"}}, ("failed (no effect named 'x')", "again")),
     ):
         file.write_text(json.dumps(found | change))
         words_given = ["correct", session, "--diagnosis", file, "--out", tmp_path / "out"]

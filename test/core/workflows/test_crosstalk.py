@@ -18,21 +18,29 @@ from shoecal_core.workflows.calibrate import calibrate_session
 from shoecal_core.workflows.evaluation import MEASURED, TRUTH, compare_data
 from shoecal_core.workspace import config_dir
 
-COUPLING = 0.5
-"""1/m: of the moment about x in the left vertical force, and against that about y in the right."""
-COUPLED = (("left/fz", "left/mx", COUPLING), ("right/fz", "right/my", -COUPLING))
+COUPLED = (("left/fz", "left/mx", 1.0), ("right/fz", "right/my", -1.0))
+"""1/m: of the moment about x in the left vertical force, and against that about y in the right. At
+half of it the CoP's other errors can hide what it adds."""
 
 
 class Coupled(Session):
-    """A session whose sensors have crosstalk."""
+    """A session whose sensors have crosstalk, that part of `COUPLED`."""
+
+    part = 1.0
 
     def read(self, run: int) -> Run:
         """With a part of each donor's reading in the receiver's, gains of data sheets at hand."""
         recorded = super().read(run)
         value, names = recorded.readings.value.copy(), self.shoe.names
         for receiver, donor, part in COUPLED:
-            value[:, names.index(receiver)] += part * value[:, names.index(donor)]
+            value[:, names.index(receiver)] += self.part * part * value[:, names.index(donor)]
         return replace(recorded, readings=replace(recorded.readings, value=value))
+
+
+class Weakly(Coupled):
+    """With half of it."""
+
+    part = 0.5
 
 
 @pytest.fixture(scope="module")
@@ -71,7 +79,7 @@ def test_crosstalk_is_found_and_taken_off(session: Session) -> None:
         calibrate_session(session, tolerances=Tolerances(crosstalk=part)) for part in (0.01, 0.0)
     )
     assert known.calibration.verdict == "PASS", known.calibration.reasons
-    assert cop_error(session, known) < 0.7 * cop_error(session, unknown)
+    assert cop_error(session, known) < 0.8 * cop_error(session, unknown)
     assert known.joint is not None
     found = {one.deviation.location: one for one in known.joint.deviations
              if one.deviation.effect == "crosstalk"}  # fmt: skip
@@ -96,7 +104,7 @@ def test_parts_of_moments_are_expected_as_they_are_without(
     session: Session,
 ) -> None:
     """How channels share a load does not change by what a sensor shows of it."""
-    coupled = calibrate_session(session)
+    coupled = calibrate_session(Weakly.open(session.folder))
     clean = calibrate_session(Session.open(session.folder))
     there, here = (outcome.assessment.expected_cop()[0] for outcome in (coupled, clean))
     assert there == pytest.approx(here, rel=0.6)
