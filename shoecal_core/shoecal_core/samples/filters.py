@@ -41,14 +41,6 @@ def play(values: FloatArray, width: FloatArray) -> FloatArray:
     return followed
 
 
-def relay(values: FloatArray, band: float) -> FloatArray:
-    """Side -1 or 1 to which values (F, k) last left a band about zero; 0 as long as none did."""
-    side = np.where(np.abs(values) > band, np.sign(values), 0.0)
-    last = np.where(side != 0.0, np.arange(len(side))[:, None], 0)
-    held: FloatArray = np.take_along_axis(side, np.maximum.accumulate(last, axis=0), axis=0)
-    return held
-
-
 def slope(values: FloatArray, time: FloatArray, span: float = 0.6) -> FloatArray:
     """(F, k) rate of change, from how values differ half a span [s] before and after.
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from shoecal_core.arrays import FloatArray
-from shoecal_core.samples.filters import evenly, low_passed, play, relay, resampled, rise, slope
+from shoecal_core.samples.filters import evenly, low_passed, play, resampled, rise, slope
 
 TIME = np.arange(0.0, 20.0, 0.02)
 
@@ -38,17 +38,6 @@ def test_the_slope_of_a_line_and_of_a_parabola(rate: float, bend: float) -> None
     np.testing.assert_allclose(
         slope(values, TIME)[inside, 0], (rate + 2.0 * bend * TIME)[inside], atol=1e-6
     )
-
-
-@given(st.floats(0.1, 5.0), st.integers(0, 100))
-def test_a_relay_stays_on_its_side_until_the_band_is_left_on_the_other(
-    band: float, seed: int
-) -> None:
-    force = np.cumsum(np.random.default_rng(seed).normal(size=(200, 2)), axis=0)
-    side, wanted = relay(force, band), np.zeros(2)
-    for now, found in zip(force, side, strict=True):
-        wanted = np.where(now > band, 1.0, np.where(now < -band, -1.0, wanted))
-        np.testing.assert_array_equal(found, wanted)
 
 
 @given(st.floats(0.02, 3.0))

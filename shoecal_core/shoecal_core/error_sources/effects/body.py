@@ -11,10 +11,8 @@ from shoecal_core.error_sources.base import ALL, Component, Place, Shape
 from shoecal_core.error_sources.body import driven_together
 from shoecal_core.error_sources.effects import places
 from shoecal_core.error_sources.signal_model import SignalModel
-from shoecal_core.samples.filters import relay
 from shoecal_core.samples.known_weight import carried
 from shoecal_core.samples.samples import Samples
-from shoecal_core.shoe.priors import USUAL_WEIGHT
 
 
 class Inertia:
@@ -40,8 +38,6 @@ LEAST_MASS = 0.01
 """Links lighter than this share of the robot are not looked at."""
 FRICTION = (0.05, 0.2)
 """N m; a torque smaller than this does not say on which side of its play a joint lies."""
-HELD_BY = (0.03, 0.07, 0.15)
-"""N m on a robot of `USUAL_WEIGHT`, by which friction holds a joint on its side of the play."""
 
 
 def _heavy(signal_model: SignalModel) -> Iterator[Place]:
@@ -217,17 +213,13 @@ class Backlash(_Give):
 
     def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
         """By the side to which the torque pushes, at once or over a while, with the soles held or
-        alone; with them held, by the side to which it last overcame friction, or friction drags.
+        alone; or by the one to which friction drags.
         """
         torque = signal_model.torque
         pushed = [0.5 * np.tanh(torque / friction) for friction in FRICTION]
         for shape in (self._held_shape, self._free_shape):
             for side in pushed:
                 yield shape(signal_model, place, "play", side)
-        scale = signal_model.samples.robot.weight / USUAL_WEIGHT
-        for friction in HELD_BY:
-            held_on = 0.5 * relay(torque, scale * friction)
-            yield self._held_shape(signal_model, place, "play", held_on)
         yield self._held_shape(signal_model, place, "play", signal_model.samples.dragged)
 
 

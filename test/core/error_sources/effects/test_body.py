@@ -18,7 +18,6 @@ from core.error_sources.altered import (
 )
 from core.error_sources.shows import assert_shows, shape, told
 from shoecal_core.error_sources.body import driven_together
-from shoecal_core.error_sources.effects import body
 from shoecal_core.error_sources.effects.body import (
     Backlash,
     Inertia,
@@ -34,7 +33,6 @@ from shoecal_core.error_sources.signals import AIR, COP, GRF, SIGNALS
 from shoecal_core.robot.robot import GRAVITY, Robot
 from shoecal_core.samples.known_weight import KNOWN_MASS, WEIGHTED
 from shoecal_core.samples.samples import TURNED_BACK
-from shoecal_core.shoe.priors import USUAL_WEIGHT
 
 JOINTS = ("LHipYawPitch", "LKneePitch", "RAnkleRoll")
 
@@ -249,24 +247,6 @@ def test_backlash(signal_model: SignalModel, place: str) -> None:
     for given, found in ((change, free), (signal_model.held(change), held)):
         shown = with_angles(signal_model, given)
         assert_shows(signal_model, shown, told(found, play), within=0.35)
-
-
-def test_friction_holds_a_joint_on_its_side_of_the_play(signal_model: SignalModel) -> None:
-    """Until the torque overcomes it on the other side; in a heavier robot it is more."""
-    shapes = list(Backlash().shapes(signal_model, ("RAnkleRoll",)))
-    usual = 2 * len(body.FRICTION)
-    held = shapes[usual : usual + len(body.HELD_BY)]
-    joint = signal_model.samples.robot.joint("RAnkleRoll")
-    torque = signal_model.torque[:, joint] * USUAL_WEIGHT / signal_model.samples.robot.weight
-    for friction, found in zip(body.HELD_BY, held, strict=True):
-        side, now = np.zeros(len(torque)), 0.0
-        for row, one in enumerate(torque):
-            now = np.sign(one) if abs(one) > friction else now
-            side[row] = now
-        change = np.zeros_like(signal_model.samples.angles)
-        change[:, joint] = 0.5 * side
-        shown = signal_model.by_angles(signal_model.held(change))
-        np.testing.assert_array_equal(found.columns[0], shown)
 
 
 @pytest.mark.parametrize("place", [*JOINTS[1:], "all"])
