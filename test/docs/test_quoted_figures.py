@@ -40,11 +40,14 @@ def test_readme_quotes_the_blind_test() -> None:
     def share(figure: str) -> str:
         return f"{float(row('diagnosis.md', figure)[2]):.0%}".replace("%", " %")
 
-    assert f"sees {share('found, where')} of the causes" in README
-    assert f"the right one comes first in {share('right effect first')}" in README
+    assert f"It sees {share('found, where')} of the causes" in README
+    assert f"Of those the right one comes first in {share('right effect first')}" in README
     assert f"of two causes it finds both in {share('both of two found')}" in README
     right = row("diagnosis.md", "right effect first")
     assert f"(of {right[4]})" in README
+    wrong, singles = row("diagnosis.md", "wrong effect first, of single ones")[1].split(" of ")
+    named = round(float(wrong.split(" ")[0]) * int(singles))
+    assert f"a wrong cause comes first in {named} of {singles} recordings" in README
     alarms = row("diagnosis.md", "healthy robots with a cause")
     assert float(alarms[2]) == 0.0
     assert f"no cause named on {alarms[4]} healthy robots" in README

@@ -34,6 +34,7 @@ from shoecal_core.progress import Progress, no_progress
 from shoecal_core.recording.errors import SessionError
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.train_test import split_runs
+from shoecal_core.samples.samples import Samples
 from shoecal_core.screening.settings import CalibrationSettings
 
 SHOWN = 20
@@ -104,9 +105,13 @@ def diagnose(
     if rezero:
         samples = at_zeros(samples, zeros, train)
     progress("fitting with nothing added", 0.2)
-    signal_model = make_signal_model(samples, first_parameters(samples, train), settings, without)
     wanted = only or (lambda _effect, _place: True)
-    workspace = make_workspace(signal_model, effects, train, test, settings, tolerances, wanted)
+
+    def laid_out(whole: Samples) -> Workspace:
+        first = make_signal_model(whole, first_parameters(whole, train), settings, without)
+        return make_workspace(first, effects, train, test, settings, tolerances, wanted)
+
+    workspace = laid_out(samples)
     stuck = _stuck_cell(workspace, wanted)
     looked_at = workspace.catalogue.hypotheses or workspace.catalogue.swapped or stuck
     if only is not None and not looked_at:
@@ -122,12 +127,11 @@ def diagnose(
             data, samples, () if rezero else zeros, train,
             workspace.signal_model.parameters, settings, weighs=weight_kg is None,
         )  # fmt: skip
-    corrected = workspace
-    if stuck is not None or known:
-        whole = known.corrected(samples)
-        whole = whole if stuck is None else stuck.corrected(whole)
-        signal_model = make_signal_model(whole, first_parameters(whole, train), settings, without)
-        corrected = make_workspace(signal_model, effects, train, test, settings, tolerances, wanted)
+    corrected = laid_out(known.corrected(samples)) if known else workspace
+    if stuck is not None:
+        answering = laid_out(stuck.corrected(known.corrected(samples)))
+        kept = stuck.explains(corrected, answering)
+        corrected, stuck = (answering, stuck) if kept else (corrected, None)
     before = preflight(corrected, settings)
     progress("trying every effect", 0.5)
     swap = swapped_channels(corrected, effects, settings, wanted)

@@ -23,6 +23,7 @@ from shoecal_core.diagnosis.result import Cause, Size
 from shoecal_core.diagnosis.shrink import shrink
 from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.error_sources.effects import places
+from shoecal_core.error_sources.signals import COP
 from shoecal_core.samples.samples import Samples
 from shoecal_core.samples.stretches import Stretch
 from shoecal_core.screening.blocks import reading_blocks
@@ -72,6 +73,18 @@ class StuckChannel:
             hidden_cop_mm=0.0,
         )
 
+    def explains(self, before: Workspace, corrected: Workspace) -> bool:
+        """Whether CoPs are nearer to the model's while it was stuck: another cell of the foot whose
+        force is missing would correct the GRF alone.
+        """
+        still = self._stuck(corrected.signal_model.samples.clock)
+        there = still & before.signal_model.mask[:, COP].all(axis=1)
+        there &= corrected.signal_model.mask[:, COP].all(axis=1)
+        first, then = (
+            float((one.explained(None)[0][there][:, COP] ** 2).sum()) for one in (before, corrected)
+        )
+        return then <= first
+
     def corrected(self, samples: Samples) -> Samples:
         """The session as the cell would have shown it."""
         tracks = tuple(
@@ -83,9 +96,16 @@ class StuckChannel:
 
     def _corrected(self, readings: FloatArray, clock: FloatArray) -> FloatArray:
         corrected = readings.copy()
-        still = np.any([(clock >= start) & (clock < end) for start, end in self.stretches], axis=0)
+        still = self._stuck(clock)
         corrected[still, self.channel] = self.law[0] + readings[still] @ self.law[1:]
         return corrected
+
+    def _stuck(self, clock: FloatArray) -> BoolArray:
+        """(T,) when it was."""
+        still: BoolArray = np.any(
+            [(clock >= start) & (clock < end) for start, end in self.stretches], axis=0
+        )
+        return still
 
 
 def stuck_cell(samples: Samples) -> StuckChannel | None:

@@ -91,9 +91,14 @@ def _level(blocks: ReadingBlocks, channel: int, start: float, end: float) -> flo
 
 
 def _ranges(runs: Mapping[int, ReadingBlocks]) -> FloatArray:
-    """(n,) how far each channel moves in most of the session, beyond its noise."""
-    low, high = np.quantile(joined(runs), [LIVING, 1.0 - LIVING], axis=0)
-    moved: FloatArray = np.maximum(high - low - NOISE_RANGE * _noise(runs), 0.0)
+    """(n,) how far each channel moves in most of the session, beyond its noise; 0 if hardly.
+
+    About where it stands in each run: a dead one may wander as its electronics warm up.
+    """
+    moves = [blocks.readings - np.median(blocks.readings, axis=0) for blocks in runs.values()]
+    low, high = np.quantile(np.concatenate(moves), [LIVING, 1.0 - LIVING], axis=0)
+    trembling = NOISE_RANGE * _noise(runs)
+    moved: FloatArray = np.where(high - low > 2.0 * trembling, high - low - trembling, 0.0)
     return moved
 
 

@@ -137,3 +137,12 @@ def test_a_cell_that_stays_at_one_end_again_and_again() -> None:
     assert found.channel == channel
     assert found.level == pytest.approx(level)
     assert found.share == pytest.approx(0.45, abs=0.02)
+
+
+def test_a_dead_cell_may_wander_from_run_to_run() -> None:
+    """As its electronics warm up: by more than a dead one moves, in no run by as much."""
+    whole, channel = recording(), 5
+    others = np.concatenate([one.readings for one in whole.aligned.values()])
+    step = 0.05 * float(np.ptp(others, axis=0).max())
+    wandering = whole.with_channel(channel, lambda run, values: np.full_like(values, step * run))
+    assert dead(wandering.shoe, parts(wandering)) == [channel]
