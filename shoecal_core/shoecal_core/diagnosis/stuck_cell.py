@@ -31,6 +31,9 @@ from shoecal_core.screening.saturated import ended
 from shoecal_core.screening.unresponsive import away, dead, stuck_channels
 from shoecal_core.shoe.wrench import at_cop, by_parameters, columns_in_left, combined, weight_below
 
+LEFT = 0.5
+"""Of the mean square of the CoP's error, what a right correction leaves at most: less than a
+twentieth in simulations, and one of another cell of the same foot four fifths or more."""
 SHARE_ERROR = 0.05
 """How far the share that stays may be off, as an interval's half width."""
 
@@ -74,8 +77,8 @@ class StuckChannel:
         )
 
     def explains(self, before: Workspace, corrected: Workspace) -> bool:
-        """Whether CoPs are nearer to the model's while it was stuck: another cell of the foot whose
-        force is missing would correct the GRF alone.
+        """Whether the CoP is much nearer to the model's while it was stuck, or as near as that of a
+        robot within tolerance: in place of another cell of the foot it would correct the GRF alone.
         """
         still = self._stuck(corrected.signal_model.samples.clock)
         there = still & before.signal_model.mask[:, COP].all(axis=1)
@@ -83,7 +86,8 @@ class StuckChannel:
         first, then = (
             float((one.explained(None)[0][there][:, COP] ** 2).sum()) for one in (before, corrected)
         )
-        return then <= first
+        usual = np.count_nonzero(there) * float((corrected.floor[COP] ** 2).sum())
+        return then <= max(LEFT * first, usual)
 
     def corrected(self, samples: Samples) -> Samples:
         """The session as the cell would have shown it."""

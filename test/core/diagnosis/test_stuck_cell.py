@@ -147,6 +147,28 @@ def test_a_gain_that_changes_little_is_no_stuck_cell(workspace: Workspace) -> No
     assert stuck_cell(stuck(samples, 2, 0.5 * float(samples.clock.max()), 0.3)) is None
 
 
+def test_a_force_that_is_missing_elsewhere_on_the_foot_is_no_stuck_cell(
+    workspace: Workspace,
+) -> None:
+    """Put back in another cell it makes up for the GRF, and the CoP is further off."""
+    signal_model = workspace.signal_model
+    samples, gain = signal_model.samples, signal_model.parameters.gain
+    channel, other = 0, 3
+    broken = stuck(samples, channel, 0.4 * float(samples.clock.max()), 1.0)
+    found = stuck_cell(broken)
+    assert found is not None
+    right = found.corrected(broken)
+    elsewhere = broken.readings.copy()
+    missing = right.readings[:, channel] - broken.readings[:, channel]
+    elsewhere[:, other] += missing * gain[channel] / gain[other]
+
+    def seen(shown: Samples) -> Workspace:
+        return replace(workspace, signal_model=replace(signal_model, samples=shown))
+
+    assert found.explains(seen(broken), seen(right))
+    assert not found.explains(seen(broken), seen(replace(broken, readings=elsewhere)))
+
+
 def test_what_it_tells_is_a_cause(workspace: Workspace) -> None:
     samples = workspace.signal_model.samples
     found = stuck_cell(stuck(samples, 0, 0.4 * float(samples.clock.max()), 1.0))
