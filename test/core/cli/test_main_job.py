@@ -80,7 +80,7 @@ def test_gains_come_near_the_drawn_ones(simulated: Path, calibrated: Path) -> No
     drawn = read_yaml(simulated / "truth" / "reality.yaml").mapping("gain")
     found = load_calibration(calibrated)
     true = np.array([drawn.number(name) for name in found.channels])
-    np.testing.assert_allclose(found.parameters.gain, true, rtol=0.15)
+    np.testing.assert_allclose(found.parameters.gain, true, rtol=0.2)
     assert np.sum(np.sign(true) < 0) == 1  # the inverted cell
 
 

@@ -69,12 +69,16 @@ def test_expected_errors_are_told(swaying: CalibrationReport) -> None:
 def test_error_sources_and_cures_are_named(swaying: CalibrationReport) -> None:
     assessed = assessed_in(swaying)
     assert carried(assessed)
-    section = words(assessment_section(swaying, assessed))
     budget = assessed.budget
     assert budget is not None
+    # Two runs leave gains open: as it is, knowing one source more would win nothing.
+    best = next(one for one in budget.sources if np.isfinite(one.without).all())
+    known = replace(best, without=0.5 * budget.total)
+    sources = tuple(known if one is best else one for one in budget.sources)
+    budget = replace(budget, sources=sources)
+    assessed = replace(assessed, budget=budget)
+    section = words(assessment_section(swaying, assessed))
     assert "What would help" in section
-    known = [one for one in budget.sources if np.isfinite(one.without).all()]
-    best = min(known, key=lambda one: float(np.sum(one.without**2)))
     assert source_name(best.effect) in section
     assert (cure(best.effect) or "") in section
     pictures = [one for one in source_pictures(assessed) if one.title in section]
