@@ -15,12 +15,6 @@ HANGING = 2
 """How much further in a sentence goes on below its first line."""
 _COMMAND = re.compile(r"((Next|Then): )?shoecal ")
 """Begins what is to be copied, and so is in one line."""
-
-
-_WORD = re.compile(r"\S+(?:(?<=\d) (?:± \S+|%\S*|(?:mm|ms|mrad|rad|N|V|Nm|kg|Hz|s)\b\S*))*")
-"""What stays in one line: a word, or a figure with its uncertainty and unit."""
-
-
 _WORD = re.compile(r"\S+(?:(?<=\d) (?:± \S+|%\S*|(?:mm|ms|mrad|rad|N|V|kg|Hz|s)\b\S*))*")
 """What stays in one line: a word, or a figure with its uncertainty and unit."""
 

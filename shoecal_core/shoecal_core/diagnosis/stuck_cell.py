@@ -31,7 +31,7 @@ from shoecal_core.screening.saturated import ended
 from shoecal_core.screening.unresponsive import away, dead, stuck_channels
 from shoecal_core.shoe.wrench import at_cop, by_parameters, columns_in_left, combined, weight_below
 
-LEFT = 0.5
+MOST_LEFT = 0.5
 """Of the mean square of the CoP's error, what a right correction leaves at most: less than a
 twentieth in simulations, and one of another cell of the same foot four fifths or more."""
 SHARE_ERROR = 0.05
@@ -87,7 +87,7 @@ class StuckChannel:
             float((one.explained(None)[0][there][:, COP] ** 2).sum()) for one in (before, corrected)
         )
         usual = np.count_nonzero(there) * float((corrected.floor[COP] ** 2).sum())
-        return then <= max(LEFT * first, usual)
+        return then <= max(MOST_LEFT * first, usual)
 
     def corrected(self, samples: Samples) -> Samples:
         """The session as the cell would have shown it."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from itertools import islice
 from typing import Protocol
 
 import numpy as np
@@ -152,7 +153,7 @@ def deviations(
     stds = {one.name: as_built_std(one, tolerances, weight) for one in effect.components}
     known = {one.name: one for one in effect.components}
     for place in places:
-        shapes = list(effect.shapes(signal_model, place))[:forms]
+        shapes = list(islice(effect.shapes(signal_model, place), forms))
         for shape in shapes:
             for name, column in zip(shape.free, shape.columns, strict=True):
                 if stds.get(name, 0.0) > 0.0:

@@ -175,17 +175,9 @@ def _edges(
         # Load times the way of the foot's own CoP from the sole's origin.
         about_origin = part * robot.weight * place[:2] + sign * moved - load * origins[side]
         moment = turns[side].T @ about_origin
-        margins += [_least(load * ca.DM(d) - ca.DM(n) @ moment) for n, d in robot.feet[side].sides]
+        margins += [ca.mmin(load * ca.DM(d) - ca.DM(n) @ moment) for n, d in robot.feet[side].sides]
     edges: ca.SX = ca.vertcat(*margins)
     return edges
-
-
-def _least(rows: ca.SX) -> ca.SX:
-    """The least of some rows (n, 1)."""
-    least, *others = ca.vertsplit(rows)
-    for row in others:
-        least = ca.fmin(least, row)
-    return least
 
 
 def _torques(robot: Robot, body: SymbolicKinematics, forces: list[tuple[ca.SX, ca.SX]]) -> ca.SX:

@@ -86,14 +86,13 @@ def ranking_picture(diagnosis: Diagnosis) -> Picture | None:
         key = (one.effect, one.location)
         if place > 0 and one.probability < LEAST_PERCENT and key not in chosen | alike:
             continue
-        colour, kind = palette.PLAIN, "another hypothesis"
+        colour, mark, kind = palette.PLAIN, "", "another hypothesis"
         if key in chosen:
-            colour, kind = palette.FOUND, "✓ chosen"
+            colour, mark, kind = palette.FOUND, "✓ ", "chosen"
         elif key in alike:
-            colour, kind = palette.WARN, "= as good as a chosen one"
-        number = percent(one.probability)
-        mark = {palette.FOUND: "✓ ", palette.WARN: "= "}.get(colour, "")
-        shares.append(NamedBar(mark + hypothesis_text(one), number, one.probability, colour, kind))
+            colour, mark, kind = palette.WARN, "= ", "as good as a chosen one"
+        name, number = mark + hypothesis_text(one), percent(one.probability)
+        shares.append(NamedBar(name, number, one.probability, colour, mark + kind))
     caption = (
         "By how well each predicts runs that were left out of its fit, everything else refitted "
         "with it. "
