@@ -127,8 +127,9 @@ def _gap(diagnosis: Diagnosis, calibrated: CalibratedGap | None) -> Iterator[str
     gap = diagnosis.gap
     runs = ", ".join(map(str, diagnosis.test)) or "none"
     yield (
-        f"gap on test runs ({runs}): CoP {gap.cop_mae_mm:.2f} mm (noise alone "
-        f"{gap.cop_floor_mm:.2f}), GRF {gap.grf_mae_n:.3f} N (noise alone {gap.grf_floor_n:.3f})"
+        f"gap on test runs ({runs}): CoP {gap.cop_mae_mm:.2f} mm (within tolerance "
+        f"{gap.cop_floor_mm:.2f}), GRF {gap.grf_mae_n:.3f} N (within tolerance "
+        f"{gap.grf_floor_n:.3f})"
     )
     if calibrated is not None:
         yield (

@@ -138,7 +138,7 @@ def confirmed(
             off = [(there, less) for there, less, _ in each if there > LEAST_EXCESS]
             shrinks = any(less >= TAKEN_FROM * there for there, less in off)
             # Next to errors that it partly cancels, a true cause takes less than it adds.
-            enough = EXPLAINED_FROM * whole if whole > LEAST_EXCESS else np.inf
+            enough = TAKEN_FROM * whole if whole > LEAST_EXCESS else np.inf
             shrinks = shrinks and gone >= min(CLAIMED * added, enough)
             if not shrinks or found.predicted[index] <= 0.0:
                 why = "explains training runs, but test runs do not confirm it"

@@ -13,7 +13,7 @@ FORMAT = 1
 
 Verdict = Literal["no_gap", "explained", "ambiguous", "partly_explained", "unknown"]
 VERDICT_TEXTS: Mapping[Verdict, str] = {
-    "no_gap": "model and reality agree within the accuracy of the sensors",
+    "no_gap": "model and reality agree as closely as they do on a robot within its tolerances",
     "explained": "one explanation accounts for the gap",
     "ambiguous": "several explanations account for the gap alike",
     "partly_explained": "what was found explains a part of the gap; something is left",
@@ -28,7 +28,7 @@ class Gap:
 
     Attributes:
         cop_mae_mm, grf_mae_n: mean errors against the model [mm, N].
-        cop_floor_mm, grf_floor_n: what the sensors' noise alone would leave [mm, N].
+        cop_floor_mm, grf_floor_n: what noise and errors within tolerance would leave [mm, N].
     """
 
     cop_mae_mm: float

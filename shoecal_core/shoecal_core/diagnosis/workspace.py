@@ -135,12 +135,13 @@ class Workspace:
     @cached_property
     def floor(self) -> FloatArray:
         """(s,) RMS that each signal would have on runs left out without the fault: noise, and what
-        a calibration leaves of the tolerance errors, as fitted to the training runs.
+        a calibration leaves of the tolerance errors, as fitted to the training runs but no larger
+        than tolerances allow: else a fault that is like some of them would be its own floor.
         """
         rows = self.rows_of(self.test or self.train)
         count = np.maximum(self.signal_model.mask[rows].sum(axis=0), 1)
         errors, left = self.left_of_errors
-        known = np.tensordot(self.built.vector[errors], left, 1)
+        known = np.tensordot(within_tolerance(self.built).vector[errors], left, 1)
         spread = self.built.covariance[np.ix_(errors, errors)]
         unknown = np.array([np.sum(one * (spread @ one)) for one in np.moveaxis(left, 2, 0)])
         kept, group = self.whitening.kept[rows], self.whitening.spectrum.group[rows]

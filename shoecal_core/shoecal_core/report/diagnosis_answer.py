@@ -76,9 +76,9 @@ def key_figures(diagnosis: Diagnosis) -> tuple[KeyFigure, ...]:
     cop_std, grf_std = _spreads(diagnosis)
     keys = [
         KeyFigure("CoP off the model", millimetres(gap.cop_mae_mm, cop_std),
-                  f"noise alone: {millimetres(gap.cop_floor_mm)}; {runs}"),
+                  f"within tolerance: {millimetres(gap.cop_floor_mm)}; {runs}"),
         KeyFigure("GRF off the weight", newtons(gap.grf_mae_n, grf_std),
-                  f"noise alone: {newtons(gap.grf_floor_n)}; {runs}"),
+                  f"within tolerance: {newtons(gap.grf_floor_n)}; {runs}"),
     ]  # fmt: skip
     keys += [
         KeyFigure(hypothesis_text(cause), percent(cause.probability), "probability")
@@ -137,7 +137,7 @@ def _what(diagnosis: Diagnosis) -> list[str]:
                 for cop, grf in ((gap.cop_mae_mm, gap.grf_mae_n),
                                  (gap.cop_floor_mm, gap.grf_floor_n))
             )  # fmt: skip
-            return [f"CoP and GRF are off by {off}, where noise alone leaves {floor}."]
+            return [f"CoP and GRF are off by {off}, where a robot within tolerance has {floor}."]
         return ["No effect of the library, at any place, changes the signals as they are off."]
     first, *others = diagnosis.causes
     lines = [_cause_line(first, "Found", "Perhaps")]

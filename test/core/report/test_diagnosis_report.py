@@ -116,7 +116,7 @@ def test_nothing_found_nothing_missing() -> None:
             ranking=(), next_motion=None, cannot_separate=(), cannot_detect=(), notes=(),
         )
     )  # fmt: skip
-    assert "where noise alone leaves" in text
+    assert "where a robot within tolerance has" in text
     assert "it can also separate" in text
     assert "would have shown in this session" in text
     assert "No further motion would separate the candidates" in text
