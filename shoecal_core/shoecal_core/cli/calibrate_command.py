@@ -98,9 +98,10 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         save_calibration(calibration, args.out)
     if args.report is not None:
         # Matplotlib takes a second to load, which most calls need not wait for.
-        from shoecal_core.report.session_report import write_session_report  # noqa: PLC0415
+        from shoecal_core.report.calibration_report import calibration_report  # noqa: PLC0415
+        from shoecal_core.report.session_report import session_content  # noqa: PLC0415
 
-        write_session_report(args.report, session, outcome)
+        calibration_report(args.report, session_content(session, outcome))
     figures = to_json(outcome)
     require_usable(calibration, figures, console)
     say(console, f"{args.out}")

@@ -57,13 +57,11 @@ class Canvas:
         axes.set_axisbelow(True)
         return axes
 
-    def legends(
-        self, handles: Sequence[Artist], per_line: int, left: float = 0.0, top: float = 0.0
-    ) -> float:
+    def legends(self, handles: Sequence[Artist], per_line: int, left: float = 0.0) -> float:
         """Rows of legend entries; how high they are."""
         begins = range(0, len(handles), per_line)
         for row, begin in enumerate(begins):
-            self.legend(handles[begin : begin + per_line], left, top + LINE * row)
+            self.legend(handles[begin : begin + per_line], left, LINE * row)
         return LINE * len(begins)
 
     def legend(self, handles: Sequence[Artist], left: float = 0.0, top: float = 0.0) -> None:
@@ -136,9 +134,9 @@ def canvas(height: float) -> Iterator[Canvas]:
         yield Canvas(height)
 
 
-def draw_line(axes: Axes, x: FloatArray, y: FloatArray, look: Look, label: str = "") -> None:
+def draw_line(axes: Axes, x: FloatArray, y: FloatArray, look: Look) -> None:
     """A line through points x (T,), y (T,); NaN leaves a gap."""
-    (line,) = axes.plot(x, y, color=look.colour.light, linewidth=look.width, label=label)
+    (line,) = axes.plot(x, y, color=look.colour.light, linewidth=look.width)
     line.set_solid_capstyle("round")
     if look.dashes:
         line.set_dashes(look.dashes)
