@@ -27,6 +27,8 @@ WIDTH = 380.0
 """Units of a figure's width; Matplotlib's points."""
 TEXT = 10.0
 SMALL = 9.0
+MARKERS = "os^DvPX"
+"""One after the other, in addition to colours."""
 LINE = 17.0
 """Units from one row of a legend to the next."""
 
@@ -57,12 +59,10 @@ class Canvas:
         axes.set_axisbelow(True)
         return axes
 
-    def legends(self, handles: Sequence[Artist], per_line: int, left: float = 0.0) -> float:
-        """Rows of legend entries; how high they are."""
-        begins = range(0, len(handles), per_line)
-        for row, begin in enumerate(begins):
+    def legends(self, handles: Sequence[Artist], per_line: int, left: float = 0.0) -> None:
+        """Rows of legend entries, LINE high each."""
+        for row, begin in enumerate(range(0, len(handles), per_line)):
             self.legend(handles[begin : begin + per_line], left, LINE * row)
-        return LINE * len(begins)
 
     def legend(self, handles: Sequence[Artist], left: float = 0.0, top: float = 0.0) -> None:
         """One row of legend entries, labelled by the handles themselves."""
