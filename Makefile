@@ -1,7 +1,7 @@
 # shoecal without an installation of ROS: everything lives in .venv, build/ and install/.
 
 .DEFAULT_GOAL := help
-.PHONY: firmware stand-ins robots published descriptions clean-sessions help setup demo test test-floor lint bench planner-speed planned-motions live-path demo-table paper trust accuracy repeats caught-faults faults blind own-steps motion-menu figures gallery reference docs wheel lock clean
+.PHONY: firmware stand-ins robots published descriptions clean-sessions help setup demo test test-floor lint bench planner-speed planned-motions live-path demo-table paper trust accuracy repeats caught-faults faults evidence blind own-steps motion-menu figures gallery reference docs wheel lock clean
 
 # Nothing that is sourced in the calling shell reaches what runs from .venv.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONHOME PYTHONPATH
@@ -40,6 +40,9 @@ lint: setup  ## ruff and mypy
 # Each measurement has arguments of its own.
 bench: override ARGS :=
 bench: planner-speed live-path demo-table paper  ## all measurements
+
+evidence: setup stand-ins descriptions  ## the tables of docs/evidence, in two hours (ARGS="paper")
+	$(BIN)/python benchmarks/evidence.py $(ARGS)
 
 planner-speed: export OPENBLAS_NUM_THREADS := 1
 planner-speed: setup  ## the planner's solver against IPOPT, motions in many supports (ARGS="--supports 1 --nao 20")

@@ -20,7 +20,7 @@ from shoecal_core.estimation.series import Errors
 from shoecal_core.manual.calibrate import calibrate_manually
 from shoecal_core.recording.session import Session
 from shoecal_core.workflows.calibrate import calibrate_session
-from shoecal_core.workflows.evaluation import MEASURED, TRUTH, compare_runs
+from shoecal_core.workflows.evaluation import MEASURED, TRUTH, evaluate_session
 from shoecal_core.workflows.simulated_manual import simulate_manual
 from true_sources import read_drawn
 
@@ -70,7 +70,7 @@ def measure(case: Case) -> Result:
     seconds = time.process_time() - begin
     calibration = outcome.calibration
     judged = Session.open(case.quiet.folder)
-    runs = compare_runs(judged, calibration, train=train, test=test)
+    runs = evaluate_session(judged, calibration, train=train, test=test).runs
     drawn = read_drawn(session)
     true_gain = np.array([drawn["gain"][name] for name in calibration.channels])
     return Result(

@@ -302,10 +302,8 @@ class Fields:
             raise self.error(key, f"expected text, got {_shown(value)}")
         return value
 
-    def boolean(self, key: str, default: bool | None = None) -> bool:
+    def boolean(self, key: str) -> bool:
         """True or false."""
-        if default is not None and key not in self:
-            return default
         value = self.value(key)
         if not isinstance(value, bool):
             raise self.error(key, f"expected true or false, got {_shown(value)}")

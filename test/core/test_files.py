@@ -109,7 +109,6 @@ def test_defaults_stand_in_for_what_is_absent_or_null(fields: Callable[[str], Fi
     found = fields("nothing: null")
     for key in ("nothing", "absent"):
         assert found.text(key, "x") == "x"
-        assert found.boolean(key, False) is False
         assert found.integer(key, 4) == 4
         assert math.isnan(found.number(key, math.nan))
         for read in (found.text, found.boolean, found.integer, found.number, found.mapping):

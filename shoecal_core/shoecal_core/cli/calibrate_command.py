@@ -19,11 +19,11 @@ from shoecal_core.cli.arguments import (
     require_folder,
     settings_of,
 )
-from shoecal_core.cli.assessment_table import screening_table, trust_lines
 from shoecal_core.cli.prose import say
 from shoecal_core.cli.tables import errors_table, new_table, of_page, print_table, stages_rows
+from shoecal_core.cli.trust import trust_lines
 from shoecal_core.cli.usable import require_usable
-from shoecal_core.cli.zeros_table import weight_json, weight_line, zeros_table
+from shoecal_core.cli.weight import weight_json, weight_line
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.estimation.calibration import load_calibration, save_calibration
 from shoecal_core.estimation.initial_guess import InitialGuess
@@ -33,6 +33,7 @@ from shoecal_core.recording.session import Session
 from shoecal_core.report.assessment_tables import expected_table
 from shoecal_core.report.next_step import after_calibration
 from shoecal_core.report.quantities import channel_units, uncertain
+from shoecal_core.report.recorded_tables import left_out_table, zeros_table
 from shoecal_core.screening.settings import JOINT, PAPER, CalibrationSettings
 from shoecal_core.workflows.calibrate import calibrate_session
 
@@ -90,7 +91,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     print_table(console, errors_table(_against(outcome), stages_rows(outcome.modelled)))
     _print_channels(outcome, console)
     if zeros := outcome.zeros:
-        print_table(console, zeros_table(zeros))
+        print_table(console, of_page(zeros_table(zeros)))
     _print_deviations(outcome, console)
     _print_trust(outcome, console)
     calibration = outcome.calibration
@@ -98,9 +99,10 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         save_calibration(calibration, args.out)
     if args.report is not None:
         # Matplotlib takes a second to load, which most calls need not wait for.
-        from shoecal_core.report.session_report import write_session_report  # noqa: PLC0415
+        from shoecal_core.report.calibration_report import calibration_report  # noqa: PLC0415
+        from shoecal_core.report.session_report import session_content  # noqa: PLC0415
 
-        write_session_report(args.report, session, outcome)
+        calibration_report(args.report, session_content(session, outcome))
     figures = to_json(outcome)
     require_usable(calibration, figures, console)
     say(console, f"{args.out}")
@@ -193,9 +195,10 @@ def _print_trust(outcome: CalibrationOutcome, console: Console) -> None:
     print_table(console, of_page(expected_table(outcome.assessment)))
     for line in trust_lines(outcome.assessment, outcome.screening):
         say(console, f"  {line}")
-    if outcome.screening.left_out and outcome.screening.findings:
+    lost = left_out_table(outcome.screening)
+    if lost is not None and outcome.screening.findings:
         console.print()
-        print_table(console, screening_table(outcome.screening))
+        print_table(console, of_page(lost))
 
 
 def _print_channels(outcome: CalibrationOutcome, console: Console) -> None:

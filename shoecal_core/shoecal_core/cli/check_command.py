@@ -17,16 +17,16 @@ from shoecal_core.cli.arguments import (
     require_folder,
     settings_of,
 )
-from shoecal_core.cli.assessment_table import screening_table
 from shoecal_core.cli.prose import say
 from shoecal_core.cli.tables import TEXT, new_table, of_page, print_table, verdict_line
-from shoecal_core.cli.zeros_table import weight_json, weight_line, zeros_table
+from shoecal_core.cli.weight import weight_json, weight_line
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import PartialError
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import RunEntry, Session
 from shoecal_core.report.assessment_tables import expected_table
 from shoecal_core.report.next_step import after_check
+from shoecal_core.report.recorded_tables import left_out_table, zeros_table
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.workflows.check import check_session
 
@@ -58,11 +58,11 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         print_table(console, _table(session, entries, data.runs))
     say(console, weight_line(data.weighed, data.robot))
     if checked.zeros:
-        print_table(console, zeros_table(checked.zeros))
+        print_table(console, of_page(zeros_table(checked.zeros)))
     if outcome is not None:
         print_table(console, of_page(expected_table(outcome.assessment)))
-    if screening.left_out:
-        print_table(console, screening_table(screening))
+    if (lost := left_out_table(screening)) is not None:
+        print_table(console, of_page(lost))
     for verdict, lines in (("FAIL", checked.problems), ("WARN", checked.warnings)):
         for line in lines:
             say(console, verdict_line(verdict, line))

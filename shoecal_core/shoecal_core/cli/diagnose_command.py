@@ -20,13 +20,13 @@ from shoecal_core.cli.arguments import (
 )
 from shoecal_core.cli.diagnosis_table import print_diagnosis, sessions_table
 from shoecal_core.cli.progress import shown_progress
-from shoecal_core.cli.tables import print_table
-from shoecal_core.cli.zeros_table import zeros_table
+from shoecal_core.cli.tables import of_page, print_table
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import PartialError, ShoecalError
 from shoecal_core.files import atomic_write
 from shoecal_core.recording.errors import SessionError
+from shoecal_core.report.recorded_tables import zeros_table
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.workflows.diagnose import Diagnosed, DiagnosisRequest, attempt, do, lost
 from shoecal_core.workflows.many_jobs import over_cluster, over_cores
@@ -98,7 +98,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         assert found.diagnosis is not None
         print_diagnosis(found.diagnosis, found.calibrated, console)
         if found.zeros:
-            print_table(console, zeros_table(found.zeros))
+            print_table(console, of_page(zeros_table(found.zeros)))
         return found.to_json()
     return _many(jobs, args, console)
 

@@ -19,17 +19,19 @@ from shoecal_core.cli.prose import say
 from shoecal_core.cli.tables import (
     errors_table,
     left_out_lines,
+    of_page,
     print_table,
     stages_rows,
     verdict_line,
 )
-from shoecal_core.cli.zeros_table import weight_json, weight_line, zeros_table
+from shoecal_core.cli.weight import weight_json, weight_line
 from shoecal_core.errors import PartialError, ShoecalError
 from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.estimation.run_errors import ComparedRun, errors_by_set, errors_of
 from shoecal_core.estimation.series import Errors
 from shoecal_core.recording.errors import SessionError
 from shoecal_core.recording.session import Session
+from shoecal_core.report.recorded_tables import zeros_table
 from shoecal_core.screening.verdict import VERDICTS, list_reasons, split_reason
 from shoecal_core.workflows.evaluation import (
     MEASURED,
@@ -136,7 +138,7 @@ def _print_verdicts(evaluated: Sequence[Evaluated], console: Console) -> None:
     for one in evaluated:
         say(console, weight_line(one.weighed, one.robot))
         if one.zeros:
-            print_table(console, zeros_table(one.zeros))
+            print_table(console, of_page(zeros_table(one.zeros)))
         for reason in one.verdict.reasons:
             level, text = split_reason(reason, one.verdict.verdict)
             say(console, verdict_line(level, text))

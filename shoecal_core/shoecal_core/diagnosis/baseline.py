@@ -86,18 +86,16 @@ def fit_baseline(
     runs: Sequence[int],
     noise: FloatArray,
     settings: DiagnosisSettings,
-    guess: ChannelParameters | None = None,
 ) -> SignalModel:
     """Gauss-Newton over gains and offsets on some runs.
 
     Args:
-        signal_model: where the fit starts.
+        signal_model: where the fit starts; priors are about its parameters.
         runs: to fit.
         noise: (s, BANDS) variance of the signals' coefficients.
         settings: of the diagnosis.
-        guess: that priors are about; by default the signal model's parameters.
     """
-    guess = signal_model.parameters if guess is None else guess
+    guess = signal_model.parameters
     signal_model = signal_model.with_planes(settings)
     channels = len(guess.gain)
     for _ in range(STEPS):

@@ -90,13 +90,11 @@ class SimulatedShrink:
     Attributes:
         fraction: of the squares of the mean errors of CoP and GRF, together.
         cop_mae_mm, grf_mae_n: before and after [mm, N].
-        voltage_mae: before and after, in the shoe's unit.
     """
 
     fraction: float
     cop_mae_mm: tuple[float, float]
     grf_mae_n: tuple[float, float]
-    voltage_mae: tuple[float, float]
 
 
 @dataclass(frozen=True)

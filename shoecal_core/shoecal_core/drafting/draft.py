@@ -20,8 +20,7 @@ from shoecal_core.drafting.capsules import DraftCapsule, find_capsules, pairs_of
 from shoecal_core.drafting.closed_chains import held_joints
 from shoecal_core.drafting.foot_cells import FootCells, find_cells
 from shoecal_core.drafting.legs import UP, LegChains, find_legs
-from shoecal_core.drafting.mirrored import crossed_limits
-from shoecal_core.drafting.plausible import check_size
+from shoecal_core.drafting.plausible import check_size, crossed_limits
 from shoecal_core.drafting.posture import find_posture
 from shoecal_core.drafting.six_axis import (
     SixAxis,

@@ -22,7 +22,7 @@ from shoecal_core.arrays import FloatArray
 from shoecal_core.drafting.closed_chains import LOOP
 from shoecal_core.drafting.notes import Note
 from shoecal_core.files import atomic_write, make_folder
-from shoecal_core.robot.mjcf import MjcfError, read_mjcf
+from shoecal_core.robot.mjcf import MOVING, MjcfError, read_mjcf
 from shoecal_core.robot.urdf import written
 
 SPEED = 3.0
@@ -36,7 +36,6 @@ MOST_EFFORT_M = 2.0
 motor's: the strongest humanoids' hold it at 0.6 m."""
 PLAY_RAD = 0.1
 """A joint without a motor that turns by less is play of gears, not a joint."""
-_MOVING = (int(mjtJoint.mjJNT_HINGE), int(mjtJoint.mjJNT_SLIDE))
 
 
 @dataclass(frozen=True)
@@ -229,7 +228,7 @@ class _Writer:
         model = self._model
         if self._floats(body):
             return []
-        moving = [one for one in self._joints_of(body) if model.jnt_type[one] in _MOVING]
+        moving = [one for one in self._joints_of(body) if model.jnt_type[one] in MOVING]
         return [one for one in moving if not self._is_play(one)]
 
     def _is_play(self, joint: int) -> bool:

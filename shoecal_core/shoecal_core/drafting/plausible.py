@@ -1,4 +1,4 @@
-"""Masses and lengths that no humanoid has: exporters write wrong units, and masses twice."""
+"""What no humanoid has: exporters write wrong units, masses twice, and limits of the other leg."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.drafting.body import Body
 from shoecal_core.drafting.legs import LegChains
 from shoecal_core.robot.urdf import UrdfError
@@ -27,6 +28,10 @@ UNLIKE = 2.0
 """Times the mass of its counterpart in the other leg from which a link is looked at."""
 NOTABLE = 0.02
 """Share of the robot's mass from which such a difference matters."""
+PARALLEL = 0.9
+"""Cosine of the angle between an axis and the other one's mirror image, at least."""
+SAME_LIMIT = 0.05
+"""rad; limits that are off by less are the same."""
 
 
 def check_size(body: Body, legs: LegChains) -> None:
@@ -83,6 +88,14 @@ def doubts(body: Body, legs: LegChains) -> Iterator[str]:
             yield f"{names} are {low:.3g} and {high:.3g} kg, though the legs are alike"
 
 
+def crossed_limits(body: Body, legs: LegChains) -> list[tuple[int, int]]:
+    """Joints of the left and the right leg whose limits fit each other with the wrong sign.
+
+    The exporter of a mirrored leg has turned its axes but not its limits, or the other way round.
+    """
+    return [pair for pair in zip(*legs.chains, strict=True) if _crossed(body, legs, *pair)]
+
+
 def _leg_length(body: Body, legs: LegChains) -> float:
     """From joint to joint [m]."""
     steps = itertools.pairwise(body.centres[joint] for joint in legs.chains[0])
@@ -98,3 +111,19 @@ def _masses(root: ElementTree.Element) -> tuple[dict[str, float], dict[str, floa
         if mass is not None:
             found[shapeless][link.get("name", "")] = float(mass.get("value", "nan"))
     return found
+
+
+def _crossed(body: Body, legs: LegChains, left: int, right: int) -> bool:
+    turn = body.axis(left)
+    # The mirror image of a turn: what lies in the mirror changes its sign, what is across does not.
+    mirrored = 2.0 * (turn @ legs.left) * legs.left - turn
+    along = float(mirrored @ body.axis(right))
+    if abs(along) < PARALLEL:
+        return False
+    ours, theirs = np.array(body.range(left)), np.array(body.range(right))
+    alike, crossed = (theirs, -theirs[::-1]) if along > 0.0 else (-theirs[::-1], theirs)
+    return not _same(ours, alike) and _same(ours, crossed)
+
+
+def _same(ours: FloatArray, theirs: FloatArray) -> bool:
+    return bool(np.abs(ours - theirs).max() < SAME_LIMIT)

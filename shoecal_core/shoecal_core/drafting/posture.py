@@ -11,7 +11,7 @@ from scipy.optimize import brentq, least_squares
 from shoecal_core.arrays import FloatArray
 from shoecal_core.drafting.body import Body, own_joints
 from shoecal_core.drafting.legs import UP, LegChains
-from shoecal_core.drafting.mirrored import crossed_limits
+from shoecal_core.drafting.plausible import crossed_limits
 from shoecal_core.drafting.soles import Sole
 from shoecal_core.robot.urdf import UrdfError
 

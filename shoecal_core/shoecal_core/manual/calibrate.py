@@ -113,7 +113,7 @@ class ManualCalibration:
 
 
 def calibrate_manually(
-    shoe: Shoe, robot: Robot, cells: Measurements, loads: Measurements, *, made_ns: int = 0
+    shoe: Shoe, robot: Robot, cells: Measurements, loads: Measurements
 ) -> ManualCalibration:
     """Both steps of a manual calibration.
 
@@ -123,22 +123,16 @@ def calibrate_manually(
             only, and its weight goes with them.
         cells: readings of the single cells.
         loads: readings of the shoe under weights.
-        made_ns: time stamp [ns since the epoch]; 0: that of the last reading.
 
     Raises:
         ShoecalError: when no calibration can be had from the readings at all. One that was found
             but must not be used comes back with the verdict FAIL.
     """
     first = calibrate_cells(shoe, robot, cells)
-    return calibrate_shoe(
-        shoe, robot, first.calibration, loads, fits=first.cells, made_ns=made_ns or
-        max(cells.end_ns, loads.end_ns),
-    )  # fmt: skip
+    return calibrate_shoe(shoe, robot, first.calibration, loads, fits=first.cells)
 
 
-def calibrate_cells(
-    shoe: Shoe, robot: Robot, cells: Measurements, *, made_ns: int = 0
-) -> CellsCalibration:
+def calibrate_cells(shoe: Shoe, robot: Robot, cells: Measurements) -> CellsCalibration:
     """The first step: gains and offsets of cells off their shoe (eq. 3).
 
     Raises:
@@ -151,7 +145,7 @@ def calibrate_cells(
     findings.append(Finding("WARN", CELLS_ONLY))
     calibration = _calibration(
         shoe, robot, ChannelParameters(gain, offset), covariance, (), findings,
-        made_ns or cells.end_ns,
+        cells.end_ns,
     )  # fmt: skip
     return CellsCalibration(calibration, fits)
 
@@ -164,7 +158,6 @@ def calibrate_shoe(
     *,
     fits: tuple[CellFit, ...] = (),
     planned: int | None = None,
-    made_ns: int = 0,
 ) -> ManualCalibration:
     """The second step: offsets of the assembled shoe, and its CoP correction (eqs. 4 to 6).
 
@@ -176,7 +169,6 @@ def calibrate_shoe(
         loads: readings of the shoe under weights.
         fits: of the first step, where they are at hand.
         planned: loads of one foot that a whole calibration has; None: those read.
-        made_ns: time stamp [ns since the epoch]; 0: that of the last reading.
 
     Raises:
         WrongShoeError: for cells of another shoe.
@@ -211,7 +203,7 @@ def calibrate_shoe(
         if planned is not None:
             findings += check_plan(foot, len(found.loads), planned)
     calibration = _calibration(
-        shoe, robot, parameters, covariance, tuple(corrections), findings, made_ns or loads.end_ns
+        shoe, robot, parameters, covariance, tuple(corrections), findings, loads.end_ns
     )
     return ManualCalibration(calibration, fits, tuple(feet))
 

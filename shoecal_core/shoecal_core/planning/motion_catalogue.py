@@ -118,26 +118,13 @@ def motion_kind(name: str) -> MotionKind:
     return known[name]
 
 
-def _landmarks(
-    standing: InitialStance, name: str = "landmarks", pace: float = 1.0
+def _round(
+    standing: InitialStance, name: str, *, clockwise: bool = False, pace: float = 1.0
 ) -> tuple[MotionSegment, ...]:
-    places = standing.contour.targets(standing.cop)
+    """From landmark to landmark, the torso free."""
+    contour, cop = standing.contour, standing.cop
+    places = contour.reversed_targets(cop) if clockwise else contour.targets(cop)
     return (cop_segment(name, places, standing.foot_pose, standing.settings, pace=pace),)
-
-
-def _reversed(
-    standing: InitialStance, name: str = "reversed", pace: float = 1.0
-) -> tuple[MotionSegment, ...]:
-    places = standing.contour.reversed_targets(standing.cop)
-    return (cop_segment(name, places, standing.foot_pose, standing.settings, pace=pace),)
-
-
-def _faster(standing: InitialStance) -> tuple[MotionSegment, ...]:
-    return _landmarks(standing, "faster", pace=FASTER)
-
-
-def _faster_reversed(standing: InitialStance) -> tuple[MotionSegment, ...]:
-    return _reversed(standing, "faster_reversed", pace=FASTER)
 
 
 def _hold(standing: InitialStance) -> tuple[MotionSegment, ...]:
@@ -221,11 +208,21 @@ _PUT_DOWN_KIND = MotionKind(
 )
 
 MOTION_KINDS: Mapping[str, MotionKind] = {
-    "landmarks": MotionKind("landmark to landmark, counter-clockwise", _landmarks, streams=True),
-    "reversed": MotionKind("landmark to landmark, clockwise", _reversed, streams=True),
-    "faster": MotionKind("landmark to landmark, counter-clockwise, 1.8 times as fast", _faster),
+    "landmarks": MotionKind(
+        "landmark to landmark, counter-clockwise", lambda at: _round(at, "landmarks"), streams=True
+    ),
+    "reversed": MotionKind(
+        "landmark to landmark, clockwise",
+        lambda at: _round(at, "reversed", clockwise=True),
+        streams=True,
+    ),
+    "faster": MotionKind(
+        "landmark to landmark, counter-clockwise, 1.8 times as fast",
+        lambda at: _round(at, "faster", pace=FASTER),
+    ),
     "faster_reversed": MotionKind(
-        "landmark to landmark, clockwise, 1.8 times as fast", _faster_reversed
+        "landmark to landmark, clockwise, 1.8 times as fast",
+        lambda at: _round(at, "faster_reversed", clockwise=True, pace=FASTER),
     ),
     "hold": MotionKind("landmark to landmark, standing still at each", _hold),
     "unload_left": MotionKind(

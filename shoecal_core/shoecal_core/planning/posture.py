@@ -480,14 +480,10 @@ def _beyond(values: FloatArray, least: FloatArray, bounds: FloatArray) -> FloatA
 
 
 def stance(
-    robot: Robot,
-    support: DoubleSupport,
-    settings: PlannerSettings | None = None,
-    cop_target: FloatArray | None = None,
+    robot: Robot, support: DoubleSupport, settings: PlannerSettings | None = None
 ) -> FloatArray:
     """As StanceSolver.solve, for a single call: leg angles (k,) [rad]."""
-    solver = StanceSolver(Legs(robot), settings or PlannerSettings())
-    return solver.solve(support, cop_target)
+    return StanceSolver(Legs(robot), settings or PlannerSettings()).solve(support)
 
 
 def middle(robot: Robot, support: DoubleSupport) -> FloatArray:

@@ -39,6 +39,8 @@ from shoecal_core.recording.session import Session
 from shoecal_core.robot.urdf import ROOT_JOINTS, Outline, read_outline, read_urdf
 from shoecal_core.shoe.shoe import Shoe, load_shoe
 
+LISTED = 10
+"""Names of joints that a message lists at most."""
 TYPES: Mapping[str, Collection[str]] = {
     "joints": (JOINT_STATE,),
     "cells": (SHOE_VOLTAGES_TYPE,),
@@ -387,7 +389,7 @@ def _base_T_link(mapping: BagMapping) -> tuple[FloatArray, FloatArray]:
     return base_in_link.rotation, base_in_link.translation
 
 
-def _few(names: Iterable[str], most: int = 10) -> str:
+def _few(names: Iterable[str]) -> str:
     ordered = sorted(names)
-    more = f" and {len(ordered) - most} more" if len(ordered) > most else ""
-    return ", ".join(ordered[:most]) + more
+    more = f" and {len(ordered) - LISTED} more" if len(ordered) > LISTED else ""
+    return ", ".join(ordered[:LISTED]) + more

@@ -80,7 +80,7 @@ class _Rows:
 
     def read(self, columns: tuple[CsvColumn, ...]) -> FloatArray:
         """(T, c) numbers, NaN for those that are not there; how many these are is noted."""
-        found = self.table.read_all(columns, gaps=True)[self.kept]
+        found = self.table.read_all(columns)[self.kept]
         missing = np.isnan(found).sum(axis=0)
         if missing.any():
             worst = columns[int(np.argmax(missing))].name

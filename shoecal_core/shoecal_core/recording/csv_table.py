@@ -145,9 +145,9 @@ class CsvTable:
             return f"{fault}; skip a row of units below the header with 'lines_after_header: 1'"
         return f"{fault}; leave the value empty where there is none, or correct the file"
 
-    def read_all(self, columns: tuple[CsvColumn, ...], *, gaps: bool = False) -> FloatArray:
-        """Numbers (T, c) of several columns; see `read`."""
-        return np.column_stack([self.read(column, gaps=gaps) for column in columns])
+    def read_all(self, columns: tuple[CsvColumn, ...]) -> FloatArray:
+        """Numbers (T, c) of several columns, NaN in their gaps; see `read`."""
+        return np.column_stack([self.read(column, gaps=True) for column in columns])
 
     def line(self, place: int) -> int:
         """Line of the file, from 1, by a row's place below the header."""

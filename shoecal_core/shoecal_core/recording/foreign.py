@@ -15,13 +15,12 @@ from shoecal_core.recording import messages, schemas
 from shoecal_core.recording.container import MAX_RECORDS
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.mapping import MappingHead, Trial
+from shoecal_core.recording.run import UNIT_TOLERANCE
 from shoecal_core.recording.session import Session
 from shoecal_core.shoe.shoe import AXES, FEET, Shoe
 
 Stamps = IntArray
 
-UNIT_TOLERANCE = 0.1
-"""Lengths of quaternions that count differ from one by less."""
 LATEST_NS = 2**31 * messages.SECOND_NS
 """Stamps of ROS 2 end there."""
 

@@ -24,6 +24,7 @@ from shoecal_core.recording.joint_series import (
 )
 from shoecal_core.recording.readings import make_readings, read_readings
 from shoecal_core.recording.run import (
+    UNIT_TOLERANCE,
     CommandedTrajectory,
     ImuSamples,
     JointSamples,
@@ -34,7 +35,6 @@ from shoecal_core.recording.run import (
 from shoecal_core.recording.source import RecordedSource
 from shoecal_core.shoe.shoe import Shoe
 
-_UNIT_TOLERANCE = 0.1
 _QUATERNION = tuple(f"orientation.{axis}" for axis in "xyzw")
 
 
@@ -170,7 +170,7 @@ def _base_pose(source: RecordedSource, start: int) -> PoseSamples | None:
         return None
     position = block.group(*(f"pose.position.{axis}" for axis in "xyz"))
     quaternion = block.group(*(f"pose.{name}" for name in _QUATERNION))
-    unit = np.abs(np.linalg.norm(quaternion, axis=1) - 1.0) < _UNIT_TOLERANCE
+    unit = np.abs(np.linalg.norm(quaternion, axis=1) - 1.0) < UNIT_TOLERANCE
     good = unit & np.isfinite(position).all(axis=1)
     if not good.all():
         source.notes.append(f"{schemas.BASE_POSE}: {int(np.sum(~good))} are no poses, left out")
@@ -191,7 +191,7 @@ def _imu(source: RecordedSource, start: int) -> ImuSamples | None:
     oriented = block.numbers["orientation_covariance"][:, 0] != -1.0
     quaternion = block.group(*_QUATERNION)
     length = np.linalg.norm(quaternion, axis=1, keepdims=True)
-    unit = np.abs(length[:, 0] - 1.0) < _UNIT_TOLERANCE
+    unit = np.abs(length[:, 0] - 1.0) < UNIT_TOLERANCE
     if wrong := int(np.sum(oriented & ~unit)):
         source.notes.append(
             f"{schemas.IMU}: {wrong} of {len(unit)} orientations are no unit quaternions; taken as "
@@ -201,7 +201,7 @@ def _imu(source: RecordedSource, start: int) -> ImuSamples | None:
         time=seconds(block.stamp_ns, start),
         frame=block.frame_id,
         quaternion=np.where(
-            (oriented & unit)[:, None], quaternion / np.fmax(length, _UNIT_TOLERANCE), np.nan
+            (oriented & unit)[:, None], quaternion / np.fmax(length, UNIT_TOLERANCE), np.nan
         ),
         angular_velocity=block.group(*(f"angular_velocity.{axis}" for axis in "xyz")),
         linear_acceleration=block.group(*(f"linear_acceleration.{axis}" for axis in "xyz")),

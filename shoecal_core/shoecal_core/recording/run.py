@@ -15,6 +15,9 @@ from shoecal_core.recording.info import RunInfo
 GAP_S, GAP_MEANS = 0.1, 2.5
 """Intervals longer than this, and than so many mean ones, are gaps between samples."""
 
+UNIT_TOLERANCE = 0.1
+"""Lengths of quaternions that count differ from one by less."""
+
 
 @dataclass(frozen=True)
 class JointSamples:

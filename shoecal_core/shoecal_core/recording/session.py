@@ -340,15 +340,6 @@ class Session:
     def _read_file(self, path: Path) -> Run:
         return read_run(path, self.shoe)
 
-    def check_hashes(self) -> None:
-        """Check every run against the session's robot and shoe files.
-
-        Raises:
-            HashMismatchError: for the first that was recorded with others.
-        """
-        for entry in self.runs:
-            self._check(entry)
-
     @property
     def changed_files(self) -> tuple[str, ...]:
         """Names of the robot and shoe files that some run was recorded with another version of."""

@@ -41,7 +41,7 @@ from shoecal_core.report.page import (
     Section,
 )
 from shoecal_core.report.quantities import mean_error, uncertain
-from shoecal_core.report.zeros_section import zeros_section
+from shoecal_core.report.recorded_tables import zeros_section
 from shoecal_core.screening.verdict import split_reason
 from shoecal_core.shoe.shoe import FEET
 

@@ -7,6 +7,7 @@ from shoecal_core.estimation.fit import SelfCalibration
 from shoecal_core.estimation.series import Mae
 from shoecal_core.report.calibration_content import CalibrationReport, RunReport
 from shoecal_core.report.calibration_figures import set_name
+from shoecal_core.report.origin import SHORT
 from shoecal_core.report.page import Table
 from shoecal_core.report.quantities import (
     channel_units,
@@ -160,8 +161,8 @@ def belongs_to(calibration: Calibration, robot: Robot) -> Table:
     """Which calibration of what this is."""
     rows = (
         ("calibration", calibration.id),
-        ("robot", f"{robot.name}, file {_short(calibration.robot_hash)}"),
-        ("shoe", f"{calibration.shoe}, file {_short(calibration.shoe_hash)}"),
+        ("robot", f"{robot.name}, file {calibration.robot_hash[:SHORT]}"),
+        ("shoe", f"{calibration.shoe}, file {calibration.shoe_hash[:SHORT]}"),
         ("weight of robot and shoes", uncertain(calibration.weight, weight_std(robot), "N")),
         ("temperature", quantity(calibration.temperature, "°C", 1)),
     )
@@ -176,10 +177,6 @@ def _cost(cost: float) -> str:
 def weight_std(robot: Robot) -> float:
     """Standard uncertainty of the weight [N]."""
     return robot.mass_std * robot.weight / robot.mass
-
-
-def _short(digest: str) -> str:
-    return digest[:12]
 
 
 def _pair(grf: Mae, cop: Mae) -> tuple[str, str]:

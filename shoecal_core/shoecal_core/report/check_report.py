@@ -30,10 +30,10 @@ from shoecal_core.report.page import (
     Table,
 )
 from shoecal_core.report.quantities import UNKNOWN, double_support_text, quantity, uncertain
+from shoecal_core.report.recorded_tables import zeros_section
 from shoecal_core.report.screening_parts import left_out_group
 from shoecal_core.report.svg import line_key
 from shoecal_core.report.weak_table import weak_table
-from shoecal_core.report.zeros_section import zeros_section
 from shoecal_core.robot.robot import GRAVITY, Robot
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.zeros import ZeroFigures

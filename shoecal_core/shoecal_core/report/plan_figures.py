@@ -14,10 +14,9 @@ from shoecal_core.report.palette import Look
 from shoecal_core.report.plan_content import PlannedMotion
 from shoecal_core.report.quantities import quantity
 from shoecal_core.robot.symbolic import joint_axis
+from shoecal_core.robot.urdf import ROOT_JOINTS
 
 STILLS = 5
-ROOT_JOINTS = 2
-"""Pinocchio's universe and free-flyer stand before the robot's own joints."""
 ABOVE = (
     "The robot faces upwards. A landmark counts as reached when the CoP (here: the CoM's ground "
     "projection) comes into its ring; one that is out of reach is left out, and its distance given."

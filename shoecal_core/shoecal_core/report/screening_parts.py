@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from shoecal_core.report.page import Group, Picture, Table
+from shoecal_core.report.page import Group, Picture
 from shoecal_core.report.palette import INK, RULE, STEPS
-from shoecal_core.report.quantities import UNKNOWN
+from shoecal_core.report.recorded_tables import cause_name, findings_table, left_out_table
 from shoecal_core.report.svg import LINE, area_key, canvas, readable
-from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.result import Screening
 
 ROW, BOTTOM = 20.0, 34.0
@@ -117,7 +116,7 @@ def left_out_spans(screening: Screening, ends: Mapping[int, float]) -> Picture |
         return None
     lost: dict[int, dict[str, list[tuple[float, float]]]] = {}
     for one in screening.left_out:
-        found = lost.setdefault(one.run, {}).setdefault(cause_name(one.fault.value), [])
+        found = lost.setdefault(one.run, {}).setdefault(cause_name(one.fault), [])
         found.extend(one.stretches)
     runs = []
     for run in screening.samples:
@@ -132,50 +131,3 @@ def left_out_spans(screening: Screening, ends: Mapping[int, float]) -> Picture |
         left_out_in_time(shown),
         "Each cause has a lane of its own, from above as in the legend.",
     )
-
-
-def cause_name(value: str) -> str:
-    """A fault's name for a person."""
-    return value.replace("_", " ")
-
-
-def left_out_table(screening: Screening) -> Table | None:
-    """Samples that do not count, by run and cause; None without any."""
-    if not screening.left_out:
-        return None
-    lost = {(one.run, one.fault): one for one in screening.left_out}
-    faults = [fault for fault in Fault if any(fault is other for _, other in lost)]
-    rows = []
-    for run, count in screening.samples.items():
-        own = [lost.get((run, fault)) for fault in faults]
-        if not any(own):
-            continue
-        rows.append(
-            (
-                f"run {run}" + (" (all of it)" if run in screening.runs_left_out else ""),
-                str(count),
-                *(f"{one.samples} ({_percent(one.share)})" if one else UNKNOWN for one in own),
-            )
-        )
-    return Table(
-        "Samples left out",
-        ("", "samples", *(cause_name(fault.value) for fault in faults)),
-        tuple(rows),
-        "Each counts for the first cause that was found of it.",
-    )
-
-
-def _percent(share: float) -> str:
-    return f"{100.0 * share:.1f} %" if share >= 0.001 else "below 0.1 %"
-
-
-def findings_table(screening: Screening) -> Table | None:
-    """What was found before the fit; None where nothing was."""
-    findings = screening.findings
-    if not findings:
-        return None
-    rows = tuple(
-        (cause_name(one.fault.value) if one.fault else "other", one.verdict, one.reason)
-        for one in findings
-    )
-    return Table("Found before the fit", ("", "verdict", "finding"), rows)

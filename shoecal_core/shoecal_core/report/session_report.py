@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 
 import numpy as np
 
@@ -12,40 +11,9 @@ from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.truth import Truth
 from shoecal_core.report.calibration_content import CalibrationReport, RunReport
-from shoecal_core.report.calibration_report import calibration_report
 from shoecal_core.report.origin import origin
 
 SNAPSHOTS = 6
-
-
-def write_session_report(
-    path: Path,
-    session: Session,
-    outcome: CalibrationOutcome,
-    *,
-    truths: Mapping[int, Truth] | None = None,
-    timing: Mapping[str, float] | None = None,
-    provenance: Sequence[str] = (),
-) -> None:
-    """Write the report on what `calibrate_session` found.
-
-    Args:
-        path: of the HTML file.
-        session: that the calibration was found from.
-        outcome: of the calibration.
-        truths: of simulated runs, to be compared with; of no use unless every run has one.
-        timing: seconds by stage.
-        provenance: further lines on where this is from.
-
-    Raises:
-        FileError: when the session cannot be read any more or the report not be written.
-    """
-    calibration_report(
-        path,
-        session_content(
-            session, outcome, truths=truths, timing=timing, provenance=provenance
-        ),
-    )  # fmt: skip
 
 
 def session_content(
@@ -54,9 +22,18 @@ def session_content(
     *,
     truths: Mapping[int, Truth] | None = None,
     timing: Mapping[str, float] | None = None,
-    provenance: Sequence[str] = (),
 ) -> CalibrationReport:
-    """What the report shows; arguments as in `write_session_report`."""
+    """What the report on a calibration shows that `calibrate_session` found.
+
+    Args:
+        session: that the calibration was found from.
+        outcome: of the calibration.
+        truths: of simulated runs, to be compared with; of no use unless every run has one.
+        timing: seconds by stage.
+
+    Raises:
+        FileError: when the session cannot be read any more.
+    """
     by_run: dict[int, list[StanceComparison]] = {}
     known = truths or {}
     complete = known.keys() >= outcome.data.stances.keys()
@@ -71,7 +48,7 @@ def session_content(
         assessed=outcome.assessment,
         screening=outcome.screening,
         timing=timing or {},
-        provenance=(*_origin(session, outcome), *provenance),
+        provenance=_origin(session, outcome),
         zeros=tuple(outcome.zeros),
     )
 
@@ -82,9 +59,9 @@ def _run(outcome: CalibrationOutcome, stances: Sequence[StanceComparison]) -> Ru
     return RunReport(tuple(stances), aligned.time[shown], aligned.joint_angles[shown])
 
 
-def _origin(session: Session, outcome: CalibrationOutcome) -> list[str]:
+def _origin(session: Session, outcome: CalibrationOutcome) -> tuple[str, str]:
     recorded = origin(session, outcome.data.stances)
-    return [recorded, f"Session folder {session.folder.name}; {_listed(outcome)}."]
+    return recorded, f"Session folder {session.folder.name}; {_listed(outcome)}."
 
 
 def _listed(outcome: CalibrationOutcome) -> str:

@@ -27,6 +27,8 @@ WIDTH = 380.0
 """Units of a figure's width; Matplotlib's points."""
 TEXT = 10.0
 SMALL = 9.0
+MARKERS = "os^DvPX"
+"""One after the other, in addition to colours."""
 LINE = 17.0
 """Units from one row of a legend to the next."""
 
@@ -57,14 +59,10 @@ class Canvas:
         axes.set_axisbelow(True)
         return axes
 
-    def legends(
-        self, handles: Sequence[Artist], per_line: int, left: float = 0.0, top: float = 0.0
-    ) -> float:
-        """Rows of legend entries; how high they are."""
-        begins = range(0, len(handles), per_line)
-        for row, begin in enumerate(begins):
-            self.legend(handles[begin : begin + per_line], left, top + LINE * row)
-        return LINE * len(begins)
+    def legends(self, handles: Sequence[Artist], per_line: int, left: float = 0.0) -> None:
+        """Rows of legend entries, LINE high each."""
+        for row, begin in enumerate(range(0, len(handles), per_line)):
+            self.legend(handles[begin : begin + per_line], left, LINE * row)
 
     def legend(self, handles: Sequence[Artist], left: float = 0.0, top: float = 0.0) -> None:
         """One row of legend entries, labelled by the handles themselves."""
@@ -136,9 +134,9 @@ def canvas(height: float) -> Iterator[Canvas]:
         yield Canvas(height)
 
 
-def draw_line(axes: Axes, x: FloatArray, y: FloatArray, look: Look, label: str = "") -> None:
+def draw_line(axes: Axes, x: FloatArray, y: FloatArray, look: Look) -> None:
     """A line through points x (T,), y (T,); NaN leaves a gap."""
-    (line,) = axes.plot(x, y, color=look.colour.light, linewidth=look.width, label=label)
+    (line,) = axes.plot(x, y, color=look.colour.light, linewidth=look.width)
     line.set_solid_capstyle("round")
     if look.dashes:
         line.set_dashes(look.dashes)

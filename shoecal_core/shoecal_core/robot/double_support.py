@@ -67,8 +67,9 @@ class DoubleSupport:
         return (points - self.translation) @ self.rotation
 
 
-def read_support(fields: Fields, key: str = "support") -> DoubleSupport | None:
-    """From three numbers of a file; None where it has none. FileError where they are wrong."""
+def read_support(fields: Fields) -> DoubleSupport | None:
+    """`support`, three numbers of a file; None without it. FileError where they are wrong."""
+    key = "support"
     if key not in fields:
         return None
     numbers = fields.array(key, (3,))

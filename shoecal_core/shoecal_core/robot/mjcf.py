@@ -37,7 +37,8 @@ _OLD = {
     "passive", "sensornoise",
 }  # fmt: skip
 """Attributes of compiler, option and flag that MuJoCo had once."""
-_MOVING = (int(mjtJoint.mjJNT_HINGE), int(mjtJoint.mjJNT_SLIDE))
+MOVING = (int(mjtJoint.mjJNT_HINGE), int(mjtJoint.mjJNT_SLIDE))
+"""Types of joints with one angle or way."""
 _FELT = (mjtSensor.mjSENS_FORCE, mjtSensor.mjSENS_TORQUE, mjtSensor.mjSENS_TOUCH)
 _CURE = (
     "rename it there, or make robot file and URDF from this MJCF with `shoecal new robot`, and "
@@ -194,7 +195,7 @@ class _Editor:
         joints = {name for names in given for name, value in names.items() if value != 0.0}
         for name in robot.joint_names:
             found = mujoco.mj_name2id(self._model, mjtObj.mjOBJ_JOINT, name)
-            if name in joints and (found < 0 or int(self._model.jnt_type[found]) not in _MOVING):
+            if name in joints and (found < 0 or int(self._model.jnt_type[found]) not in MOVING):
                 raise self._missing(f"joint {name}", "hinge or slide")
         bodies = {name for name, factor in correction.masses.items() if factor != 1.0}
         bodies |= {name for name, shift in correction.coms.items() if np.any(shift)}

@@ -13,6 +13,13 @@ from scipy.ndimage import correlate1d
 from shoecal_core.arrays import FloatArray
 
 POWERS = np.arange(4)
+SMOOTHING_S = 0.3
+"""Window of the local cubic that accelerations are taken from."""
+
+
+def acceleration_window(period: float) -> int:
+    """Samples of that window, an odd number, for samples a period [s] apart."""
+    return max(5, 2 * round(SMOOTHING_S / period / 2.0) + 1)
 
 
 def local_cubics(values: FloatArray, window: int, period: float, order: int = 0) -> FloatArray:

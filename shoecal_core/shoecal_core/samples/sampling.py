@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 from scipy.sparse import csr_matrix
 
 from shoecal_core.arrays import BoolArray, FloatArray, IntArray
@@ -35,6 +36,8 @@ from shoecal_core.shoe.vertical import at_least_load
 MIN_SEGMENT_S = 0.8
 LEAST_FILLED = 0.5
 """Part of a sample's time in which there must be readings."""
+SMOOTHING_S = 0.1
+"""Encoder steps in so long a time are averaged before motion is derived from them."""
 
 
 def make_samples(
@@ -237,28 +240,24 @@ def _rate(time: FloatArray) -> float:
     return 1.0 / float(np.median(np.diff(time)))
 
 
-def _smooth(values: FloatArray, time: FloatArray, span: float = 0.1) -> FloatArray:
-    """Averaged over about a span [s]: a derivative of steps of an encoder is no motion.
+def _smooth(values: FloatArray, time: FloatArray) -> FloatArray:
+    """Averaged over about SMOOTHING_S: a derivative of steps of an encoder is no motion.
 
     What averages take off a curve is put back, else fast motions would seem slower than they are.
     """
 
     def smoothed(even: FloatArray, period: float) -> FloatArray:
-        width = max(1, 2 * round(0.5 * span / period) + 1)
-        flat = even.reshape(len(even), -1)
-        once = _averaged(flat, width)
-        return (once + _averaged(flat - once, width)).reshape(even.shape)
+        width = max(1, 2 * round(0.5 * SMOOTHING_S / period) + 1)
+        once = _averaged(even, width)
+        return once + _averaged(even - once, width)
 
     return evenly(smoothed, values, time)
 
 
 def _averaged(values: FloatArray, width: int) -> FloatArray:
-    """Values (F, k) averaged over some neighbours, twice."""
-    for _ in range(2):
-        padded = np.pad(values, ((width // 2, width // 2), (0, 0)), mode="edge")
-        sums = np.cumsum(np.vstack((np.zeros((1, values.shape[1])), padded)), axis=0)
-        values = (sums[width:] - sums[:-width]) / width
-    return values
+    """Values (F, ...) averaged over some neighbours, twice."""
+    once = uniform_filter1d(values, width, axis=0, mode="nearest")
+    return np.asarray(uniform_filter1d(once, width, axis=0, mode="nearest"))
 
 
 def _stances(

@@ -22,12 +22,10 @@ from shoecal_core.robot.robot import GRAVITY, Robot
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.contact import Contact, find_contact
 from shoecal_core.samples.filters import evenly, typical_period
-from shoecal_core.samples.local_cubic import local_cubics
+from shoecal_core.samples.local_cubic import acceleration_window, local_cubics
 from shoecal_core.samples.stance import Stance, make_stance
 from shoecal_core.shoe.shoe import FEET, Shoe
 
-SMOOTHING_S = 0.3
-"""Window of the local cubic that accelerations are taken from."""
 LOADED_SHARE = 0.1
 """A foot that stands carries at least this share of the weight."""
 MAX_FOOT_SPEED = 0.05
@@ -213,7 +211,7 @@ def derivative(values: FloatArray, time: FloatArray, order: int) -> FloatArray:
     """
 
     def smooth(even: FloatArray, period: float) -> FloatArray:
-        window = max(5, 2 * round(SMOOTHING_S / period / 2.0) + 1)
+        window = acceleration_window(period)
         if len(even) < window:
             raise ShoecalError(
                 f"{len(even)} samples are too few for accelerations; {window} are needed"

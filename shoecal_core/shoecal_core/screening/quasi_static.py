@@ -12,14 +12,17 @@ from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.filters import resampled, typical_period
-from shoecal_core.samples.local_cubic import local_cubics, middle_weights
+from shoecal_core.samples.local_cubic import (
+    SMOOTHING_S,
+    acceleration_window,
+    local_cubics,
+    middle_weights,
+)
 from shoecal_core.screening.noise import spread
 from shoecal_core.screening.settings import CalibrationSettings
 
 LONGEST_GAP_S = 0.05
 """Near longer gaps in the recording accelerations are unknown."""
-SMOOTHING_S = 0.3
-"""Window of the local cubic that accelerations are taken from."""
 NOISE_STDS = 6.0
 """Of the accelerations that encoder steps alone make."""
 
@@ -28,7 +31,7 @@ def zmp_shift(aligned: Aligned) -> tuple[FloatArray, float]:
     """(T,) how far the zero-moment point is off the modelled CoP, and its noise [m]."""
     time = aligned.time
     period = typical_period(time)
-    window = max(5, 2 * round(SMOOTHING_S / period / 2.0) + 1)
+    window = acceleration_window(period)
     com = aligned.states.com[:, 0]
     placed, even = resampled(com[:, :2], time)
     if len(even) < window:

@@ -163,7 +163,7 @@ def _apart(one: int, twin: int, gain: FloatArray, fit: RoughFit) -> bool:
     return bool(np.sign(gain[one]) * given < -SURE_STDS * np.sqrt(max(variance, 0.0)))
 
 
-def _better(one: _Tried, other: _Tried, least: float = BETTER) -> bool:
+def _better(one: _Tried, other: _Tried, least: float) -> bool:
     """Whether one fits better than another by so much, with and without any of the runs."""
     return all(
         there.cost - here.cost > least * max(1.0, here.cost / count) * count / one.count[0]

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from shoecal_core.arrays import FloatArray
+from shoecal_core.shoe.wrench import cop
 
 MIN_LOAD = 0.5
 """N; with less on it a foot has no CoP."""
@@ -50,8 +51,9 @@ def floor_truth(contact: FloatArray, position: FloatArray, rotation: FloatArray)
     force, torque, place = contact[..., :3], contact[..., 3:6], contact[..., 6:]
     moment = torque + np.cross(place, force)
     axes = _sole_axes(rotation)
-    both = _cop(force.sum(axis=-2), moment.sum(axis=-2)) - position[..., 0, :2]
-    each = _cop(force, moment) - position[..., :2]
+    wrench = np.concatenate((force[..., 2:], moment[..., :2]), axis=-1)
+    both = cop(wrench.sum(axis=-2), MIN_LOAD) - position[..., 0, :2]
+    each = cop(wrench, MIN_LOAD) - position[..., :2]
     sideways = _turned(axes, force[..., :2])
     return FloorTruth(
         cop=_turned(axes[..., 0, :, :], both),
@@ -82,10 +84,3 @@ def _turned(axes: FloatArray, vectors: FloatArray) -> FloatArray:
     """Vectors (..., 2) along axes (..., 2, 2)."""
     turned: FloatArray = (axes @ vectors[..., None])[..., 0]
     return turned
-
-
-def _cop(force: FloatArray, moment: FloatArray) -> FloatArray:
-    """(..., 2) point of the plane z = 0 about which a force (..., 3) has no sideways moment."""
-    up = force[..., 2]
-    divisor = np.where(up > MIN_LOAD, up, np.nan)
-    return np.stack((-moment[..., 1] / divisor, moment[..., 0] / divisor), axis=-1)

@@ -73,6 +73,8 @@ from shoecal_core.shoe.wrench import ChannelParameters
 
 DISTINCT_SUPPORTS = 2
 """Gains and offsets of two feet cannot be separated in fewer double supports."""
+SOURCE = "self"
+"""Where the calibration is from, as it says."""
 
 
 def calibrate_session(
@@ -82,7 +84,6 @@ def calibrate_session(
     settings: CalibrationSettings | None = None,
     tolerances: Tolerances | None = None,
     *,
-    source: str = "self",
     made_ns: int = 0,
     manual: Calibration | None = None,
     weight_kg: float | None = None,
@@ -97,7 +98,6 @@ def calibrate_session(
         train, test: runs; see `split_runs`.
         settings: weights of the fit.
         tolerances: of what the files of robot and shoes say.
-        source: kept in the calibration.
         made_ns: time stamp of the calibration [ns since the epoch]; 0: that of the last run.
         manual: calibration of these shoes with known weights, as a prior.
         weight_kg: of robot and shoes, in place of the robot file's [kg].
@@ -157,7 +157,7 @@ def calibrate_session(
     verdict = _verdict(data, stages, modelled["self_calibration"], limits, found, assessment)
     return CalibrationOutcome(
         calibration=replace(
-            _calibration(data, stages, assessment, verdict, source, made_ns),
+            _calibration(data, stages, assessment, verdict, made_ns),
             fitted_runs=tuple(sha256(entry.path) for entry in session.runs if entry.run in train),
         ),
         stages=stages,
@@ -392,15 +392,14 @@ def _calibration(
     stages: SelfCalibration,
     assessment: Assessment,
     verdict: Verdict,
-    source: str,
     made_ns: int,
 ) -> Calibration:
     count = len(data.shoe.names)
     stamp = made_ns or data.end_ns
     digest = hashlib.sha256(stages.fit.vector.tobytes() + str(stamp).encode()).hexdigest()
     return Calibration(
-        id=f"{source}-{digest[:12]}",
-        source=source,
+        id=f"{SOURCE}-{digest[:12]}",
+        source=SOURCE,
         made_ns=stamp,
         robot=data.robot.name,
         shoe=data.shoe.name,

@@ -183,17 +183,6 @@ def evaluate_session(
     return Evaluated(runs, zeros, judge(findings), data.weighed, limits, data.robot)
 
 
-def compare_runs(
-    session: Session,
-    calibration: Calibration,
-    reference: Calibration | None = None,
-    train: Sequence[int] = (),
-    test: Sequence[int] = (),
-) -> list[ComparedRun]:
-    """The runs of `evaluate_session`."""
-    return evaluate_session(session, calibration, reference, train, test).runs
-
-
 def compare_data(
     session: Session,
     data: SessionData,

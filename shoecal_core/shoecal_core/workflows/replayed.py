@@ -15,7 +15,6 @@ from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 from shoecal_core.simulation.effects.effect import Effect
-from shoecal_core.simulation.placing import place_showing
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.simulation.robot import SimulatedRobot
 from shoecal_core.simulation.sampled_robot import SampledRobot, draw
@@ -89,3 +88,24 @@ def replay(run: Run, robot: Robot, shoe: Shoe, drawn: SampledRobot, begun: float
         sim.check_upright()
         snapshots.append(sim.snapshot())
     return Replayed(run.info.run, time, sim.readings(stack(snapshots)).voltages)
+
+
+def place_showing(sim: SimulatedRobot, joint_angles: FloatArray) -> None:
+    """Put the robot down so that, at rest, its encoders show these angles.
+
+    Servos give under load, so a robot that is commanded what another one showed stands lower than
+    that one, and its feet push each other otherwise. What it misses is added to its command.
+
+    Args:
+        sim: to put down.
+        joint_angles: (m,) as a recorded robot's encoders showed them [rad].
+
+    Raises:
+        SupportNotReachedError: when the soles are not level or it does not come to rest.
+        RobotFellError: when it falls.
+    """
+    sim.place(joint_angles)
+    commanded = 2.0 * joint_angles - sim.joints().angles
+    for motor in sim.robot.shared:
+        commanded[motor.joint] = motor.ratio * commanded[motor.leader]
+    sim.place(np.clip(commanded, sim.robot.lower, sim.robot.upper))

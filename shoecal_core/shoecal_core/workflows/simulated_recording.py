@@ -33,7 +33,6 @@ def record_run(
     *,
     start_ns: int,
     hold: float,
-    truth: bool = True,
 ) -> int:
     """Write one run, and with it the truth.
 
@@ -45,7 +44,6 @@ def record_run(
         samples: of the whole run.
         start_ns: stamp of the first sample [ns].
         hold: how long it stood still before the trajectory [s].
-        truth: whether the truth is written too.
 
     Returns:
         The run's number.
@@ -68,8 +66,7 @@ def record_run(
     with session.new_run(planned.motion, planned.support, hint=planned.hint, live=False) as writer:
         for stamp, topic, message in written:
             writer.write(topic, message, stamp)
-    if truth:
-        _record_truth(session, writer.info, samples, stamps)
+    _record_truth(session, writer.info, samples, stamps)
     return writer.info.run
 
 

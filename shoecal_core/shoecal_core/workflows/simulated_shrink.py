@@ -71,10 +71,9 @@ class Difference:
     """Simulated minus recorded, over all samples.
 
     Attributes:
-        voltage, grf, cop: mean absolute error, the CoP's a distance [the shoe's unit, N, m].
+        grf, cop: mean absolute error, the CoP's a distance [N, m].
     """
 
-    voltage: float
     grf: float
     cop: float
 
@@ -185,7 +184,6 @@ def _shrink(
         fraction=1.0 - second / first if first > 0.0 else 0.0,
         cop_mae_mm=(1e3 * before.cop, 1e3 * after.cop),
         grf_mae_n=(before.grf, after.grf),
-        voltage_mae=(before.voltage, after.voltage),
     )
 
 
@@ -226,16 +224,13 @@ def _difference(
     known = np.isfinite(recorded).all(axis=1)
     support = run.info.support or DoubleSupport(0.0, 0.0, 0.0)
     outputs = simulated.outputs(replayed.readings[known]), law.outputs(recorded[known])
-    off = _shown(outputs[0] - outputs[1], shoe)
     grf, place = (
         one - other
         for one, other in zip(*(_felt(one, shoe, support) for one in outputs), strict=True)
     )
     loaded = np.isfinite(place).all(axis=1)
     length = np.linalg.norm(place[loaded], axis=1)
-    return Difference(
-        float(np.abs(off / law.gain).mean()), float(np.abs(grf).mean()), float(length.mean())
-    )
+    return Difference(float(np.abs(grf).mean()), float(length.mean()))
 
 
 def _square(mean: Difference, settings: CalibrationSettings) -> float:
@@ -247,21 +242,6 @@ def _square(mean: Difference, settings: CalibrationSettings) -> float:
     return (mean.grf / settings.force_std_n) ** 2 + (mean.cop / settings.cop_std_m) ** 2
 
 
-def _shown(off: FloatArray, shoe: Shoe) -> FloatArray:
-    """Differences (T, n) of outputs, less what no calibration could know of them.
-
-    One pattern of a foot's offsets (+ - - + over four cells) changes neither force nor CoP: its
-    mean is left out.
-    """
-    shown = off.copy()
-    for foot in (0, 1):
-        own = shoe.of_foot(foot)
-        _, size, turned = np.linalg.svd(shoe.columns[own].T)
-        hidden = turned[np.count_nonzero(size > 1e-9) :]
-        shown[:, own] -= (shown[:, own].mean(axis=0) @ hidden.T) @ hidden
-    return shown
-
-
 def _felt(outputs: FloatArray, shoe: Shoe, support: DoubleSupport) -> tuple[FloatArray, FloatArray]:
     """GRF (T,) and CoP (T, 2) of both feet, of calibrated outputs (T, n)."""
     wrench = combined(foot_wrenches(shoe, outputs), support)
@@ -269,5 +249,5 @@ def _felt(outputs: FloatArray, shoe: Shoe, support: DoubleSupport) -> tuple[Floa
 
 
 def _mean(differences: Sequence[Difference]) -> Difference:
-    rows = [[one.voltage, one.grf, one.cop] for one in differences]
+    rows = [[one.grf, one.cop] for one in differences]
     return Difference(*np.mean(rows, axis=0).tolist())

@@ -18,7 +18,8 @@ from shoecal_core.estimation.series import Errors, errors
 from shoecal_core.files import atomic_write, read_bytes
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.truth import Truth, read_truth
-from shoecal_core.report.session_report import write_session_report
+from shoecal_core.report.calibration_report import calibration_report
+from shoecal_core.report.session_report import session_content
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.workflows.calibrate import calibrate_session
 from shoecal_ros.demonstration.options import Folder, Options
@@ -122,8 +123,9 @@ def write_results(
         "timing_s": {name: round(seconds, 2) for name, seconds in timing.items()},
     }
     atomic_write(folder.result, json.dumps(figures, indent=1, allow_nan=False) + "\n")
-    write_session_report(
-        folder.report, found.session, found.outcome, truths=found.truths, timing=timing
+    calibration_report(
+        folder.report,
+        session_content(found.session, found.outcome, truths=found.truths, timing=timing),
     )
     return figures
 

@@ -166,7 +166,7 @@ def cause(
         run=run,
         shrink=Shrink(0.94, (0.88, 0.97), (1.42, 0.45), (0.41, 0.13)),
         hidden_cop_mm=0.8,
-        simulated=SimulatedShrink(0.81, (1.61, 0.72), (0.44, 0.20), (0.031, 0.012))
+        simulated=SimulatedShrink(0.81, (1.61, 0.72), (0.44, 0.20))
         if simulated else None,
     )  # fmt: skip
 

@@ -5,8 +5,8 @@ import pytest
 
 from core.simulation.test_disturbances import standing_still
 from core.simulation.worlds import PERFECT, World
-from shoecal_core.simulation.placing import place_showing
 from shoecal_core.simulation.samples import run
+from shoecal_core.workflows.replayed import place_showing
 
 
 def test_it_stands_as_the_recorded_one_did(world: World) -> None:

@@ -17,7 +17,8 @@ from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.estimation.session_data import load_data
 from shoecal_core.recording.session import Session
 from shoecal_core.report.assessment_tables import source_name
-from shoecal_core.report.session_report import write_session_report
+from shoecal_core.report.calibration_report import calibration_report
+from shoecal_core.report.session_report import session_content
 from shoecal_core.samples.stance import Stance
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.workflows.calibrate import calibrate_session
@@ -83,7 +84,7 @@ def test_the_report_has_the_budget(
     standard_session: Session, outcome: CalibrationOutcome, tmp_path: Path
 ) -> None:
     path = tmp_path / "report.html"
-    write_session_report(path, standard_session, outcome)
+    calibration_report(path, session_content(standard_session, outcome))
     html = path.read_text()
     budget = outcome.assessment.budget
     assert budget is not None

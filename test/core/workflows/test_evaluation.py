@@ -20,7 +20,7 @@ from shoecal_core.workflows.evaluation import (
     MODELLED,
     REFERENCE,
     TRUTH,
-    compare_runs,
+    evaluate_session,
     load_calibration_of,
     sets_for,
     version_note,
@@ -132,7 +132,7 @@ def test_everything_known_stands_beside_each_other(
         calibration,
         parameters=ChannelParameters(2.0 * calibration.parameters.gain, np.zeros(8)),
     )
-    runs = compare_runs(session, calibration, doubled)
+    runs = evaluate_session(session, calibration, doubled).runs
     assert [(one.run, one.set) for one in runs] == [(1, "train"), (2, "train"), (3, "test")]
     assert errors_of(runs, MODELLED, TRUTH).grf.mean < 1e-9
     assert errors_of(runs, MODELLED, TRUTH).cop.mean < 1e-9
@@ -146,5 +146,5 @@ def test_without_reference_and_truth_there_is_the_model(
     session: Session, calibration: Calibration, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(Session, "truth_path", lambda self, run: self.folder / f"no_{run}")
-    (one,) = compare_runs(session, calibration, None, (), (3,))[-1:]
+    (one,) = evaluate_session(session, calibration, None, (), (3,)).runs[-1:]
     assert set(one.sources) == {MEASURED, MODELLED}

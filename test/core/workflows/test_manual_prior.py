@@ -14,7 +14,7 @@ from shoecal_core.estimation.run_errors import errors_by_set
 from shoecal_core.recording.session import Session
 from shoecal_core.shoe.wrench import ChannelParameters
 from shoecal_core.workflows.calibrate import calibrate_session
-from shoecal_core.workflows.evaluation import MEASURED, TRUTH, compare_runs
+from shoecal_core.workflows.evaluation import MEASURED, TRUTH, evaluate_session
 from shoecal_core.workspace import config_dir
 
 TRAIN, TEST = (1, 2, 3, 4, 5), (6, 7)
@@ -36,7 +36,7 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> tuple[Session, Calibra
 
 def foot_errors(session: Session, calibration: Calibration) -> tuple[float, float]:
     """Mean CoP [m] and GRF [N] error of a foot on the test runs, against contact forces."""
-    runs = compare_runs(session, calibration, None, TRAIN[:1], TEST)
+    runs = evaluate_session(session, calibration, None, TRAIN[:1], TEST).runs
     found = errors_by_set(runs, MEASURED, TRUTH)["test"]
     cop, grf = ([foot.mean for foot in feet] for feet in (found.foot_cop, found.foot_grf))
     return float(np.mean(cop)), float(np.mean(grf))

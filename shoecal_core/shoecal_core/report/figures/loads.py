@@ -20,10 +20,8 @@ from shoecal_core.report.figures.feet import (
     polygon_key,
 )
 from shoecal_core.report.palette import CALIBRATED, INK, MUTED, SOLE, STEPS, Colour, Look
-from shoecal_core.report.svg import area_key, canvas, line_key, marker_key, y_label
+from shoecal_core.report.svg import MARKERS, area_key, canvas, line_key, marker_key, y_label
 
-MARKERS = "os^DvPX"
-"""One for each weight, in addition to its colour."""
 LEFT = 52.0
 
 

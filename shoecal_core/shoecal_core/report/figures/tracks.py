@@ -10,9 +10,8 @@ from matplotlib.lines import Line2D
 
 from shoecal_core.arrays import FloatArray
 from shoecal_core.report.palette import INK, STEPS
-from shoecal_core.report.svg import LINE, canvas, readable, y_label
+from shoecal_core.report.svg import LINE, MARKERS, canvas, readable, y_label
 
-MARKERS = "os^DvPX"
 PER_LINE, HEIGHT, BOTTOM = 2, 150.0, 36.0
 
 

@@ -1,4 +1,4 @@
-"""Effects of the robot's body: masses, encoders, gears, the ankle's end."""
+"""Effects of the robot's body: masses and their inertia, encoders, gears, the ankle's end."""
 
 from __future__ import annotations
 
@@ -213,6 +213,18 @@ class FootPlacement(Effect):
         return dataclasses.replace(body, foot_placement=body.foot_placement + moved)
 
 
+@dataclass(frozen=True)
+class Inertia(Effect):
+    """The CoP is the zero-moment point: the physics always has it, so there is nothing to add."""
+
+    @classmethod
+    def read(cls, fields: Fields) -> Inertia:
+        """From the item of a reality file; its factor can be nothing but 1."""
+        fields.only("effect", "location", "factor")
+        fields.number("factor", 1.0, minimum=1.0, maximum=1.0)
+        return cls()
+
+
 EFFECTS: dict[str, Callable[[Fields], Effect]] = {
     "total_mass": TotalMass.read,
     "payload": Payload.read,
@@ -221,5 +233,6 @@ EFFECTS: dict[str, Callable[[Fields], Effect]] = {
     "joint_compliance": JointCompliance.read,
     "backlash": Backlash.read,
     "foot_placement": FootPlacement.read,
+    "inertia": Inertia.read,
 }
 """Effects of this family by identifier."""

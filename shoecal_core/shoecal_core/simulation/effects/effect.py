@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+from abc import abstractmethod
 from collections.abc import Sequence
 
 import mujoco
@@ -9,6 +11,7 @@ import mujoco
 from shoecal_core.robot.robot import Robot
 from shoecal_core.simulation.disturbances import Disturbance
 from shoecal_core.simulation.sampled_parts import SampledBody, SampledShoes
+from shoecal_core.simulation.stage import AnyStage
 
 
 class Effect:
@@ -40,3 +43,19 @@ class Effect:
     def disturbances(self) -> Sequence[Disturbance]:
         """What acts on one robot while it moves: new ones for each robot."""
         return ()
+
+
+class SensorEffect(Effect):
+    """An effect that is one stage on the way from a channel to its converter."""
+
+    @abstractmethod
+    def stage(self, shoes: SampledShoes) -> AnyStage:
+        """The stage in a pair of shoes.
+
+        Raises:
+            FileError: when these shoes lack what it names, or it makes no sense in them.
+        """
+
+    def on_shoes(self, shoes: SampledShoes) -> SampledShoes:
+        """The shoes with this stage added."""
+        return dataclasses.replace(shoes, stages=(*shoes.stages, self.stage(shoes)))

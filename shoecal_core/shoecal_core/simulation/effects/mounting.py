@@ -10,9 +10,8 @@ import numpy as np
 from shoecal_core.arrays import FloatArray
 from shoecal_core.files import Fields
 from shoecal_core.shoe.shoe import FEET
-from shoecal_core.simulation.effects.effect import Effect
+from shoecal_core.simulation.effects.effect import Effect, SensorEffect
 from shoecal_core.simulation.effects.location import Channels, read_feet
-from shoecal_core.simulation.effects.sensor_effect import SensorEffect
 from shoecal_core.simulation.sampled_parts import SampledShoes
 from shoecal_core.simulation.stage import Instant, Memoryless, Place
 

@@ -10,7 +10,6 @@ from shoecal_core.simulation.effects import (
     contact,
     curve,
     drift,
-    dynamics,
     memory,
     mounting,
     slip,
@@ -31,7 +30,6 @@ EFFECTS: Mapping[str, Callable[[Fields], Effect]] = {
     **body.EFFECTS,
     **contact.EFFECTS,
     **slip.EFFECTS,
-    **dynamics.EFFECTS,
 }
 """How the item of each is read."""
 

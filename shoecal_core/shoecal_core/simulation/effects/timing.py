@@ -10,10 +10,9 @@ import numpy as np
 from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.files import Fields
 from shoecal_core.shoe.shoe import FEET
-from shoecal_core.simulation.effects.effect import Effect
+from shoecal_core.simulation.effects.effect import Effect, SensorEffect
 from shoecal_core.simulation.effects.location import read_feet
 from shoecal_core.simulation.effects.relaxation import relaxed
-from shoecal_core.simulation.effects.sensor_effect import SensorEffect
 from shoecal_core.simulation.sampled_parts import SampledShoes
 from shoecal_core.simulation.stage import Instant, Place, Stage
 

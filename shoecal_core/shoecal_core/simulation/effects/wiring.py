@@ -10,8 +10,8 @@ import numpy as np
 from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.files import Fields
 from shoecal_core.shoe.wrench import ChannelParameters
+from shoecal_core.simulation.effects.effect import SensorEffect
 from shoecal_core.simulation.effects.location import Channels
-from shoecal_core.simulation.effects.sensor_effect import SensorEffect
 from shoecal_core.simulation.sampled_parts import SampledShoes
 from shoecal_core.simulation.stage import Instant, Memoryless, Place, Stage
 

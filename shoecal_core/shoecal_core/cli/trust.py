@@ -1,37 +1,14 @@
-"""How far a calibration can be trusted, and what was left out, for a terminal."""
+"""How far a calibration can be trusted, for a terminal."""
 
 from __future__ import annotations
 
-from collections import Counter
-
-from rich.table import Table
-
-from shoecal_core.cli.tables import new_table
 from shoecal_core.estimation.assessment import Assessment
 from shoecal_core.estimation.budget import Budget
 from shoecal_core.report.assessment_tables import another_text, rms, source_name
 from shoecal_core.report.quantities import quantity
+from shoecal_core.report.recorded_tables import cause_name
 from shoecal_core.report.weak_table import weak_lines
-from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.result import Screening
-
-
-def screening_table(screening: Screening) -> Table:
-    """One line a run that lost something: its samples, and how many of them each fault cost."""
-    lost = Counter[tuple[int, Fault]]()
-    for one in screening.left_out:
-        lost[one.run, one.fault] += one.samples
-    faults = [fault for fault in Fault if any(fault is other for _, other in lost)]
-    table = new_table("Samples left out")
-    for name in ("run", "samples", *(fault.value.replace("_", " ") for fault in faults)):
-        table.add_column(name, justify="right")
-    for run, count in screening.samples.items():
-        cells = [lost[run, fault] for fault in faults]
-        if any(cells):
-            texts = [f"{one} ({one / count:.1%})" if one else "-" for one in cells]
-            table.add_row(str(run), str(count), *texts)
-    return table
-
 
 LISTED = 3
 """Error sources that are named."""
@@ -52,7 +29,7 @@ def trust_lines(assessment: Assessment, screening: Screening) -> list[str]:
     count = sum(screening.samples.values())
     lost = sum(one.samples for one in screening.left_out)
     if lost:
-        causes = dict.fromkeys(one.fault.value.replace("_", " ") for one in screening.left_out)
+        causes = dict.fromkeys(cause_name(one.fault) for one in screening.left_out)
         lines.append(
             f"left out before the fit: {lost} of {count} samples ({lost / count:.1%}): "
             + ", ".join(causes)
