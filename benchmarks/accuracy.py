@@ -1,7 +1,8 @@
 """How accurate a calibration is, and whether what it states holds: several realities, fresh seeds.
 
     .venv/bin/python benchmarks/accuracy.py [--seeds 20] [--first 9] [--jobs 2] \\
-        [--realities default other_laws noisy noisy_1n] [--motions paper standard] [--no-page]
+        [--realities default other_laws as_stated noisy noisy_1n] [--motions paper standard] \\
+        [--no-page]
 
 Sessions are those of `accuracy_sessions.py`, made where they are missing; another run only
 calibrates them anew: those of the standard set in the default reality with a manual calibration as

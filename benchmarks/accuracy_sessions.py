@@ -33,7 +33,7 @@ OUT = ROOT / "out" / "accuracy"
 DEFAULT = "default"
 NOISY = ("noisy", "noisy_1n")
 """The default reality in all but the noise of its readings."""
-REALITIES = (DEFAULT, "other_laws", *NOISY)
+REALITIES = (DEFAULT, "other_laws", "as_stated", *NOISY)
 PAPER = "paper"
 MOTIONS = (STANDARD, PAPER)
 """The set that a self-calibration records by default, with both unloading motions, and the paper's

@@ -12,7 +12,7 @@ import numpy as np
 
 from accuracy_results import Result
 from accuracy_sessions import PAPER
-from held import WHAT, Held
+from held import COPS, WHAT, Held
 from pages import Row
 from shoecal_core.estimation.assessment import NORMAL_95
 from shoecal_core.shoe.shoe import FEET
@@ -85,7 +85,9 @@ def errors(groups: Groups) -> list[Row]:
 
 
 def intervals(groups: Groups) -> list[Row]:
-    """Share of true errors inside stated 95 % intervals, ± half its own 95 % interval."""
+    """Share of true errors inside stated 95 % intervals, ± half its own 95 % interval; RMS of
+    errors over their standard deviations.
+    """
     rows: list[Row] = []
     for (motions, reality), results in groups.items():
         held = _held(results)
@@ -98,6 +100,9 @@ def intervals(groups: Groups) -> list[Row]:
                 "motions": motions,
                 "reality": reality,
                 **{name: "{:.0%} (± {:.0%})".format(*inside(held, name)) for name in WHAT},
+                "CoP, RMS of error / standard deviation: both, left, right": ", ".join(
+                    f"{root_mean_square(held, name):.2f}" for name in COPS
+                ),
                 "CoP expected / true: both, left, right [mm, RMS]": ", ".join(
                     f"{a:.1f} / {b:.1f}" for a, b in zip(expected, actual, strict=True)
                 ),
@@ -115,6 +120,11 @@ def inside(held: Sequence[Held], quantity: str) -> tuple[float, float]:
     shares = np.array([np.mean(np.abs(one) < NORMAL_95) for one in ratios if one.size])
     spread = float(shares.std(ddof=1)) if len(shares) > 1 else float("nan")
     return float(shares.mean()), NORMAL_95 * spread / float(np.sqrt(len(shares)))
+
+
+def root_mean_square(held: Sequence[Held], quantity: str) -> float:
+    """Of errors over their standard deviations, every calibration alike: 1 as it should be."""
+    return float(np.sqrt(np.mean([np.mean(one.ratios[quantity] ** 2) for one in held])))
 
 
 def gains(groups: Groups) -> list[Row]:

@@ -24,7 +24,7 @@ WHAT = ("gain", "time offset", "GRF", *COPS)
 
 @dataclass(frozen=True)
 class Held:
-    """One calibration against the truth; CoP corrections are left out.
+    """One calibration against the truth; the CoP corrections of a manual prior count.
 
     Attributes:
         ratios: by quantity, errors over their standard deviations; CoPs along x and y apart.
@@ -52,7 +52,7 @@ def hold(judged: Session, outcome: CalibrationOutcome, true_gain: FloatArray) ->
     ratios: dict[str, list[FloatArray]] = {name: [] for name in WHAT}
     ratios["gain"].append((parameters.gain - true_gain) / std[:count])
     ratios["time offset"].append(np.array([stages.time_offset / std[-1]]))
-    sensing = Sensing(outcome.data.shoe, parameters)
+    sensing = Sensing(outcome.data.shoe, parameters, stages.corrections)
     lengths: dict[str, list[tuple[FloatArray, FloatArray]]] = {name: [] for name in COPS}
     for stance in data.of(outcome.test):
         few = stance.part(slice(None, None, STEP))

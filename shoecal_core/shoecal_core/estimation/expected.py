@@ -86,9 +86,10 @@ PLANAR = (0, 1, 5)
 
 
 def support_covariance(joint: JointFit | None, tolerances: Tolerances) -> FloatArray:
-    """(3, 3) of dx, dy, dtheta in any double support [m, m, rad].
+    """(3, 3) mean square of the errors of dx, dy, dtheta in any double support [m, m, rad].
 
-    What each run has by itself, and what is still believed of the joints' zeros.
+    What each run has by itself, and the joints' zeros: a support is formed from joints as they
+    read, so what was found of their zeros moves it as much as what is still uncertain of them.
     """
     stds = np.array([tolerances.support_m, tolerances.support_m, tolerances.support_rad])
     own: FloatArray = np.diag(stds**2)
@@ -96,7 +97,7 @@ def support_covariance(joint: JointFit | None, tolerances: Tolerances) -> FloatA
         return own
     signal_model = joint.signal_model
     zeros = [
-        (index, one.deviation.location[0])
+        (index, one)
         for index, one in enumerate(joint.deviations, start=len(joint.vector))
         if one.deviation.effect == "joint_offset"
     ]
@@ -105,11 +106,13 @@ def support_covariance(joint: JointFit | None, tolerances: Tolerances) -> FloatA
     robot = signal_model.samples.robot
     mean = signal_model.jacobians.closure[signal_model.samples.both][:, PLANAR].mean(axis=0)
     slopes = np.zeros((3, len(zeros)))
-    for column, (_, name) in enumerate(zeros):
-        for moved, ratio in driven_together(robot, robot.joint(name)):
+    for column, (_, one) in enumerate(zeros):
+        for moved, ratio in driven_together(robot, robot.joint(one.deviation.location[0])):
             slopes[:, column] += ratio * mean[:, moved]
     indices = np.array([index for index, _ in zeros])
-    covariance: FloatArray = own + slopes @ joint.covariance[np.ix_(indices, indices)] @ slopes.T
+    found = np.array([one.value for _, one in zeros])
+    mean_square = joint.covariance[np.ix_(indices, indices)] + np.outer(found, found)
+    covariance: FloatArray = own + slopes @ mean_square @ slopes.T
     return covariance
 
 
@@ -124,7 +127,7 @@ class ErrorModel:
         parameters: gains and offsets.
         covariance: (p, p) of the errors of gains, offsets and shoe deviations, p = 2n + d.
         shoe_columns: (d, n, 3) what one unit of each shoe deviation adds to the columns.
-        support_covariance: (3, 3) of the right foot's dx, dy, dtheta by the joints.
+        support_covariance: (3, 3) mean square errors of the right foot's dx, dy, dtheta.
         sideways: standard deviation of the sideways force on a foot, each axis [N].
     """
 
