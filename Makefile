@@ -1,7 +1,7 @@
 # shoecal without an installation of ROS: everything lives in .venv, build/ and install/.
 
 .DEFAULT_GOAL := help
-.PHONY: firmware stand-ins robots published descriptions clean-sessions help setup demo test test-floor lint bench planner-speed planned-motions live-path demo-table paper trust accuracy repeats caught-faults faults evidence blind own-steps motion-menu figures gallery reference docs wheel lock clean
+.PHONY: firmware stand-ins robots published descriptions clean-sessions help setup demo test test-floor lint bench planner-speed planned-motions live-path demo-table paper trust accuracy repeats caught-faults faults evidence blind closed-loop own-steps motion-menu figures gallery reference docs wheel lock clean
 
 # Nothing that is sourced in the calling shell reaches what runs from .venv.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONHOME PYTHONPATH
@@ -66,6 +66,10 @@ blind: setup  ## diagnosis of sets whose answers are sealed, into docs/evidence/
 clean-sessions: export OPENBLAS_NUM_THREADS := 1
 clean-sessions: setup  ## no false alarm on another robot, into docs/evidence/diagnosis.md (ARGS="--seeds 5")
 	$(BIN)/python benchmarks/clean_sessions.py $(ARGS)
+
+closed-loop: export OPENBLAS_NUM_THREADS := 1
+closed-loop: setup  ## effects found, written into the robot's files, simulated again, into docs/evidence/diagnosis.md (ARGS="--seeds 2")
+	$(BIN)/python benchmarks/closed_loop.py $(ARGS)
 
 own-steps: export OPENBLAS_NUM_THREADS := 1
 own-steps: setup  ## walks by own steps in the physics, into docs/evidence/own-steps.md (ARGS="--seeds 2")

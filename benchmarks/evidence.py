@@ -1,4 +1,4 @@
-"""Renew the tables of docs/evidence, in under two hours on two cores.
+"""Renew the tables of docs/evidence, in about two hours on two cores.
 
     make evidence   (ARGS="demo_seeds paper": these only)
 
@@ -27,12 +27,13 @@ ORDER = {
     "own_steps": "--supports 10 --seeds 2",
     "planned_motions": "--count 10",
     "clean_sessions": "--seeds 5",
+    "closed_loop": "--seeds 1",
     "accuracy": "--seeds 2",
     "repeats": "",
     "paper": "",
     # Draws and clean sessions are those of the population that `paper` leaves.
     "caught_faults": "--draws 3 --clean 10",
-    "blind_check": "--small 12 --ablations 0",
+    "blind_check": "--small 56 --ablations 0 --baselines",
     "faults": "--fresh --share 0.005",
 }
 """Benchmarks and their arguments."""

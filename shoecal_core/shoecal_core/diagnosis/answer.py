@@ -20,7 +20,6 @@ from shoecal_core.diagnosis.selection import (
     fit_without,
     over_all_runs,
     select,
-    taken,
     without,
 )
 from shoecal_core.diagnosis.settings import DiagnosisSettings
@@ -48,14 +47,11 @@ however surely, leaves the gap unexplained."""
 LEAST_EXCESS = 0.25
 """Excess on runs left out from which there is something to take: errors 12 % larger than expected.
 Floors are known no better, and less is worth no repair."""
-CLAIMED = 0.5
-"""Part of what a cause adds to CoP and GRF on runs left out by which their gap is smaller with it:
-2 / s - 1 where it is s times its true size there, negative where it has nothing to do with it."""
 SURELY = 3.0
 """Excess on runs left out from which something is wrong, whatever the others showed: errors twice
 as large as expected."""
-
-
+PARTS = (GRF, COP, FORCE_AND_PLACE)
+"""Signals that a gap is judged in."""
 TRIES = 3
 """Explanations that are held against runs left out: who is refuted so often has none."""
 
@@ -133,13 +129,9 @@ def confirmed(
         elif index and own < LIKELY:
             why = f"with {1.0 - own:.0%} it is another effect that comes on top"
         if _shown_by_test_runs(workspace, form):
-            parts = (GRF, COP, FORCE_AND_PLACE)
-            *each, (whole, gone, added) = taken(workspace, chosen, index, workspace.test, parts)
-            off = [(there, less) for there, less, _ in each if there > LEAST_EXCESS]
-            shrinks = any(less >= TAKEN_FROM * there for there, less in off)
-            # Next to errors that it partly cancels, a true cause takes less than it adds.
-            enough = TAKEN_FROM * whole if whole > LEAST_EXCESS else np.inf
-            shrinks = shrinks and gone >= min(CLAIMED * added, enough)
+            *each, (_, gone) = _taken(workspace, chosen, index)
+            off = [(there, less) for there, less in each if there > LEAST_EXCESS]
+            shrinks = gone > 0.0 and any(less >= TAKEN_FROM * there for there, less in off)
             if not shrinks or found.predicted[index] <= 0.0:
                 why = "explains training runs, but test runs do not confirm it"
                 # Not that, but something: a robot within tolerance is as improbable as before.
@@ -191,6 +183,15 @@ def _predicted(workspace: Workspace, found: Selection, index: int) -> float:
     others = (left,) if left is not None else (scorer.nothing, scorer.unmodelled)
     chosen, *least = (workspace.predicted(one, bounded=True) for one in (found.chosen, *others))
     return chosen - max(least)
+
+
+def _taken(workspace: Workspace, chosen: Scored, index: int) -> list[tuple[float, float]]:
+    """Of `PARTS`, the excess on the test runs without a cause, and what of it goes with it."""
+    now = workspace.at(chosen)
+    before, after = now.without(chosen, index), now.explained(chosen)[0]
+    without = [excess(now, before, now.test, part) for part in PARTS]
+    left = [excess(now, after, now.test, part) for part in PARTS]
+    return [(there, there - rest) for there, rest in zip(without, left, strict=True)]
 
 
 def causes_of(workspace: Workspace, found: Selection) -> list[Cause]:
@@ -269,7 +270,8 @@ def _has_gap(workspace: Workspace, *, evident: bool) -> bool:
     """
     rest = workspace.explained(None)[0]
     if not evident:
-        return excess(workspace, rest, judged_runs(workspace)) > SURELY
+        # Forces that are far off are no less so where the CoP is not, and the other way round.
+        return any(excess(workspace, rest, judged_runs(workspace), part) > SURELY for part in PARTS)
     size = gap(workspace, rest)
     return size.cop_mae_mm > size.cop_floor_mm or size.grf_mae_n > size.grf_floor_n
 

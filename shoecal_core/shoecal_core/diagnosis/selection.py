@@ -17,7 +17,6 @@ from shoecal_core.arrays import FloatArray
 from shoecal_core.diagnosis.hypotheses import Hypothesis
 from shoecal_core.diagnosis.scoring import Part, Scored, Scorer
 from shoecal_core.diagnosis.settings import ARM_M, DiagnosisSettings
-from shoecal_core.diagnosis.shrink import FORCE_AND_PLACE, excess, squares
 from shoecal_core.diagnosis.tempering import needed
 from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.error_sources.signals import COP, GRF
@@ -156,28 +155,6 @@ def fit_without(workspace: Workspace, chosen: Scored, index: int) -> Scored | No
     near = workspace.scorer.score(others, unmodelled=chosen.unmodelled, start=chosen)
     ways = (near if near.sensible else None, _best_way(workspace, others, None))
     return max((way for way in ways if way is not None), key=value, default=None)
-
-
-def taken(
-    workspace: Workspace,
-    scored: Scored,
-    index: int,
-    runs: Sequence[int],
-    parts: Sequence[slice] = (FORCE_AND_PLACE,),
-) -> list[tuple[float, float, float]]:
-    """Excess of CoP and GRF on some runs without a cause, what it takes of it, and what it adds.
-
-    Args:
-        parts: signals that are judged together, each part by itself.
-    """
-    now = workspace.at(scored)
-    before, after = now.without(scored, index), now.explained(scored)[0]
-    found = []
-    for part in parts:
-        there = excess(now, before, runs, part)
-        left, added = excess(now, after, runs, part), squares(now, before - after, runs, part)
-        found.append((there, there - left, added))
-    return found
 
 
 def asked_for(workspace: Workspace) -> Selection:

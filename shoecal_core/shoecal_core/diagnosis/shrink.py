@@ -77,14 +77,7 @@ def excess(
     workspace: Workspace, rest: FloatArray, runs: Sequence[int], part: slice = FORCE_AND_PLACE
 ) -> float:
     """Mean square of the whitened errors (T, s) of GRF and CoP on some runs, less their floor."""
-    return squares(workspace, rest, runs, part) - 1.0
-
-
-def squares(
-    workspace: Workspace, rest: FloatArray, runs: Sequence[int], part: slice = FORCE_AND_PLACE
-) -> float:
-    """Mean square of the whitened errors (T, s) of GRF and CoP on some runs."""
-    return float(_squares(workspace, rest, workspace.rows_of(runs), part).mean())
+    return float(_squares(workspace, rest, workspace.rows_of(runs), part).mean()) - 1.0
 
 
 def _fraction(before: float, after: float, count: float) -> float:
