@@ -11,6 +11,7 @@ from shoecal_core.samples.stretches import list_stretches
 from shoecal_core.screening.clocks import LARGEST_S
 from shoecal_core.screening.closure import Slipped
 from shoecal_core.screening.faults import Fault
+from shoecal_core.screening.imu import WrongMount
 from shoecal_core.screening.pulled import Pull
 from shoecal_core.screening.result import LeftOut
 from shoecal_core.screening.saturated import Saturated
@@ -59,6 +60,11 @@ def of_soles(found: Mapping[int, Soles]) -> list[Finding]:
         Finding("FAIL", f"run {run}: {soles.text}", Fault.JOINT_ZERO)
         for run, soles in found.items()
     ]
+
+
+def of_imu(found: WrongMount | None) -> list[Finding]:
+    """An IMU that is mounted otherwise than its frame says."""
+    return [] if found is None else [Finding("FAIL", found.text, Fault.IMU)]
 
 
 def of_dead(shoe: Shoe, channels: Sequence[int]) -> list[Finding]:
