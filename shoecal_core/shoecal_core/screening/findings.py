@@ -186,7 +186,7 @@ def of_ends(shoe: Shoe, ends: BoolArray, readings: FloatArray) -> list[Finding]:
     return findings
 
 
-def of_zeros(found: MovedZeros | None, weight: float) -> list[Finding]:
+def of_zeros(shoe: Shoe, found: MovedZeros | None, weight: float) -> list[Finding]:
     """Channels that were zeroed between the runs."""
     if found is None:
         return []
@@ -205,6 +205,14 @@ def of_zeros(found: MovedZeros | None, weight: float) -> list[Finding]:
         )
         return [Finding("FAIL", text, Fault.MOVED_ZEROS)]
     than = _runs(found.reference)
+    if found.channels:
+        names = [shoe.names[one] for one in found.channels]
+        text = (
+            f"the zeros of {_runs(found.less)} are not those of {than}: {', '.join(names)} "
+            f"{'start' if names[1:] else 'starts'} at zero there, which hides what the foot "
+            f"carried: {tare}"
+        )
+        return [Finding("FAIL", text, Fault.MOVED_ZEROS)]
     if found.less:
         less = (
             f"{_runs(found.less)} {'read' if found.less[1:] else 'reads'} "
