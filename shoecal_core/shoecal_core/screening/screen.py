@@ -66,7 +66,8 @@ def screen(
     double = {
         number: one for number, one in aligned.items() if runs[number].info.support is not None
     }
-    found = found.adding(words.of_imu(wrong_mount(runs, double)))
+    if not soles:  # else the legs say nothing about the IMU
+        found = found.adding(words.of_imu(wrong_mount(runs, double)))
     if found.fails or not double:
         return found
     lifting = {
