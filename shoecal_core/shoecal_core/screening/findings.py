@@ -15,6 +15,7 @@ from shoecal_core.screening.imu import WrongMount
 from shoecal_core.screening.pulled import Pull
 from shoecal_core.screening.result import LeftOut
 from shoecal_core.screening.saturated import Saturated
+from shoecal_core.screening.sideways import SidewaysFault
 from shoecal_core.screening.soles import Soles
 from shoecal_core.screening.unresponsive import Stuck
 from shoecal_core.screening.verdict import Finding
@@ -136,6 +137,22 @@ def of_wiring(shoe: Shoe, wiring: WiringFaults) -> list[Finding]:
             Fault.INVERTED,
         )
         for channel in wiring.inverted
+    ]
+
+
+def of_sideways(found: SidewaysFault | None) -> list[Finding]:
+    """Sideways axes of six-axis sensors that do not cancel as they are."""
+    if found is None:
+        return []
+    ways = ", or ".join(" and ".join(way) for way in found.ways)
+    return [
+        Finding(
+            "FAIL",
+            "the feet's sideways forces do not cancel while the robot stands on both; they would "
+            f"with {ways}: push the standing robot forward and to the left to see, then correct "
+            "the axes' polarity or names in the shoe file, or the sensor's frame at its driver",
+            Fault.INVERTED,
+        )
     ]
 
 

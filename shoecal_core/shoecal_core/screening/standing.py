@@ -30,6 +30,7 @@ from shoecal_core.screening.saturated import (
     saturated,
 )
 from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.sideways import sideways_fault
 from shoecal_core.screening.spikes import find_jumps
 from shoecal_core.screening.weights import wrong_weights
 from shoecal_core.screening.wiring import check_wiring
@@ -98,6 +99,9 @@ def screen_standing(
     if several and not found.fails:
         wiring = check_wiring(shoe, parts, information, weight, settings)
         found = found.adding(words.of_wiring(shoe, wiring))
+    slow = {run: aligned[run] for run, lift in lifting.items() if lift is None and run not in fast}
+    if not found.fails:
+        found = found.adding(words.of_sideways(sideways_fault(shoe, slow, weight)))
     if found.fails:
         return found
     watched = {run for run, lift in lifting.items() if lift is None} - {*fast, *hanging}
