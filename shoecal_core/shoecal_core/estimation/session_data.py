@@ -203,9 +203,9 @@ def load_data(
     stances: dict[int, tuple[Stance, ...]] = dict.fromkeys(read, ())
     zeros: list[Zero] = []
     for number, run in read.items():
-        if number in soles:
-            # The screening refuses it; what joint angles say of such a run is wrong.
-            continue
+        if soles:
+            # The screening refuses them; what joint angles say of such a robot is wrong.
+            break
         with noting(problems, number):
             zeros += zeros_of(run, aligned[number], shoe, kinematics, screening)
             stances[number] = tuple(stances_of(run, aligned[number], shoe, kinematics, screening))

@@ -236,10 +236,14 @@ def beyond_limits(joint: str, position: FloatArray, low: float, high: float) -> 
 
 
 def in_degrees(position: FloatArray, low: float, high: float) -> bool:
-    """Whether angles (T,) are far beyond limits [rad] that they are within as degrees."""
+    """Whether angles (T,) are far beyond limits [rad] that they are within as degrees.
+
+    Those within them with the other sign are not: a joint's sign may be turned.
+    """
     return bool(
         high - low < math.tau  # joints without an end may have turned round and round
         and _beyond(position, low, high).max() > FAR_RAD
+        and _beyond(-position, low, high).max() > BEYOND_RAD
         and (_beyond(np.radians(position), low, high) < BEYOND_RAD).all()
     )
 

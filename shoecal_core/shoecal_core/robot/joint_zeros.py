@@ -9,7 +9,7 @@ so equally well, as both knees do where both legs bend alike.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -20,9 +20,11 @@ from shoecal_core.robot.robot import Robot
 
 CLOSED_M, CLOSED_RAD = 0.01, float(np.radians(2.0))
 """Soles of a robot whose zeros are right are level to within this: play and sag of its joints."""
-OPEN_M, OPEN_RAD = 0.02, 0.1
+OPEN_M, OPEN_RAD = 2.0 * CLOSED_M, 2.0 * CLOSED_RAD
 """A gap or tilt that play, sag and small errors of zeros do not make; a calibration copes with
 less."""
+WANDER_M = 0.01
+"""Feet of a run in double support that move further against each other are refused."""
 LEVEL_SHARE = 0.15
 """Of samples at which the soles are level, from which zeros are not blamed: the rest are steps."""
 CLOSES_SHARE = 0.5
@@ -37,7 +39,7 @@ well."""
 MOST_NAMED = 3
 SAMPLES = 80
 """Samples that are looked at, evenly over all."""
-REACH_RAD, STEP_RAD, LEAST_RAD = 1.4, 0.1, 0.1
+REACH_RAD, STEP_RAD, LEAST_RAD = 1.4, 0.1, 2.0 * CLOSED_RAD
 """Errors that are looked for, the steps of the search, and the least one that is named."""
 
 
@@ -51,12 +53,19 @@ class OpenLoop:
         wander: how far one sole moves against the other [m].
         fits: joints and what is to be added to their angles [rad], the best first, each of which
             closes the loop alone; none where no single one does.
+        reversed: joints that close it alone with the other sign, better than any zero does.
     """
 
     height: float
     tilt: float
     wander: float
     fits: tuple[tuple[str, float], ...]
+    reversed: tuple[str, ...] = ()
+
+    @property
+    def named(self) -> bool:
+        """Whether a single joint explains it."""
+        return bool(self.fits or self.reversed)
 
     def text(self, *, loaded: bool) -> str:
         """What is seen, and the joint that explains it.
@@ -72,6 +81,12 @@ class OpenLoop:
             if self.height > OPEN_M or self.tilt > OPEN_RAD
             else f"the soles move by {1e3 * self.wander:.0f} mm against each other{while_}: {so}"
         )
+        if self.reversed:
+            names = " or ".join(self.reversed)
+            return (
+                f"with {names} as recorded {seen}a joint's sign is turned (best fit: {names} with "
+                "the other sign); correct the sign and record again"
+            )
         if not self.fits:
             return (
                 f"by the joint angles {seen}a joint's zero or sign, or a sole's frame in the robot "
@@ -105,7 +120,7 @@ def open_loop(kinematics: Kinematics, angles: FloatArray) -> OpenLoop | None:
     level = np.mean((height <= OPEN_M) & (tilt <= OPEN_RAD)) >= LEVEL_SHARE
     low, high = np.percentile(states.translation[:, :2], [5.0, 95.0], axis=0)
     wander = float((high - low).max())
-    if level and wander <= OPEN_M:
+    if level and wander <= WANDER_M:
         return None
     found = []
     for group in _motors(kinematics.robot):
@@ -122,24 +137,43 @@ def open_loop(kinematics: Kinematics, angles: FloatArray) -> OpenLoop | None:
         if misfit <= AS_GOOD * found[0][0] + ALIKE:
             # A joint may be found alone and with its whole motor: the better one counts.
             fits.setdefault(name, size)
-    if level and not fits:
+    turned = _reversed(kinematics, angles, found[0][0] if found else np.inf)
+    if level and not (fits or turned):
         return None
     best = tuple(fits.items())[:MOST_NAMED]
-    return OpenLoop(float(np.median(height)), float(np.median(tilt)), wander, best)
+    return OpenLoop(float(np.median(height)), float(np.median(tilt)), wander, best, turned)
+
+
+def _reversed(kinematics: Kinematics, angles: FloatArray, least: float) -> tuple[str, ...]:
+    """Joints that close the loop with the other sign, and leave less than a misfit, the best first.
+
+    A sign that only makes up for a constant error is none: angles that hardly change have either.
+    """
+    found = []
+    for group in _motors(kinematics.robot):
+        error = _Error(kinematics, angles, group, sign=-1.0)
+        misfit = error.misfit(0.0)
+        as_recorded = replace(error, sign=1.0).misfit(0.0)
+        if misfit < BETTER * min(least, as_recorded) and error.closes(0.0, ALL_SHARE):
+            found.append((misfit, kinematics.robot.joint_names[group[0][0]]))
+    found.sort()
+    near = [name for misfit, name in found if misfit <= AS_GOOD * found[0][0] + ALIKE]
+    return tuple(dict.fromkeys(near))[:MOST_NAMED]
 
 
 @dataclass(frozen=True)
 class _Error:
-    """One motor's constant error: joints by index, and how far each turns with it."""
+    """One motor's constant error: joints by index, and how far each turns with it; their sign."""
 
     kinematics: Kinematics
     angles: FloatArray
     group: Sequence[tuple[int, float]]
+    sign: float = 1.0
 
     def states(self, size: float) -> BodyStates:
         angles = self.angles.copy()
         for joint, ratio in self.group:
-            angles[:, joint] += ratio * size
+            angles[:, joint] = self.sign * angles[:, joint] + ratio * size
         return self.kinematics.states(angles)
 
     def misfit(self, size: float) -> float:

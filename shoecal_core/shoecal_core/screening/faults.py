@@ -10,6 +10,7 @@ class Fault(Enum):
 
     UNREADABLE = "unreadable"
     JOINT_ZERO = "joint_zero"
+    IMU = "imu"
     DEAD = "dead"
     STUCK = "stuck"
     SATURATED = "saturated"

@@ -11,9 +11,11 @@ from shoecal_core.samples.stretches import list_stretches
 from shoecal_core.screening.clocks import LARGEST_S
 from shoecal_core.screening.closure import Slipped
 from shoecal_core.screening.faults import Fault
+from shoecal_core.screening.imu import WrongMount
 from shoecal_core.screening.pulled import Pull
 from shoecal_core.screening.result import LeftOut
 from shoecal_core.screening.saturated import Saturated
+from shoecal_core.screening.sideways import SidewaysFault
 from shoecal_core.screening.soles import Soles
 from shoecal_core.screening.unresponsive import Stuck
 from shoecal_core.screening.verdict import Finding
@@ -59,6 +61,11 @@ def of_soles(found: Mapping[int, Soles]) -> list[Finding]:
         Finding("FAIL", f"run {run}: {soles.text}", Fault.JOINT_ZERO)
         for run, soles in found.items()
     ]
+
+
+def of_imu(found: WrongMount | None) -> list[Finding]:
+    """An IMU that is mounted otherwise than its frame says."""
+    return [] if found is None else [Finding("FAIL", found.text, Fault.IMU)]
 
 
 def of_dead(shoe: Shoe, channels: Sequence[int]) -> list[Finding]:
@@ -133,6 +140,22 @@ def of_wiring(shoe: Shoe, wiring: WiringFaults) -> list[Finding]:
     ]
 
 
+def of_sideways(found: SidewaysFault | None) -> list[Finding]:
+    """Sideways axes of six-axis sensors that do not cancel as they are."""
+    if found is None:
+        return []
+    ways = ", or ".join(" and ".join(way) for way in found.ways)
+    return [
+        Finding(
+            "FAIL",
+            "the feet's sideways forces do not cancel while the robot stands on both; they would "
+            f"with {ways}: push the standing robot forward and to the left to see, then correct "
+            "the axes' polarity or names in the shoe file, or the sensor's frame at its driver",
+            Fault.INVERTED,
+        )
+    ]
+
+
 def of_saturated(shoe: Shoe, found: Sequence[Saturated]) -> list[Finding]:
     """Channels that reached an end."""
     return [
@@ -180,7 +203,7 @@ def of_ends(shoe: Shoe, ends: BoolArray, readings: FloatArray) -> list[Finding]:
     return findings
 
 
-def of_zeros(found: MovedZeros | None, weight: float) -> list[Finding]:
+def of_zeros(shoe: Shoe, found: MovedZeros | None, weight: float) -> list[Finding]:
     """Channels that were zeroed between the runs."""
     if found is None:
         return []
@@ -199,6 +222,14 @@ def of_zeros(found: MovedZeros | None, weight: float) -> list[Finding]:
         )
         return [Finding("FAIL", text, Fault.MOVED_ZEROS)]
     than = _runs(found.reference)
+    if found.channels:
+        names = [shoe.names[one] for one in found.channels]
+        text = (
+            f"the zeros of {_runs(found.less)} are not those of {than}: {', '.join(names)} "
+            f"{'start' if names[1:] else 'starts'} at zero there, which hides what the foot "
+            f"carried: {tare}"
+        )
+        return [Finding("FAIL", text, Fault.MOVED_ZEROS)]
     if found.less:
         less = (
             f"{_runs(found.less)} {'read' if found.less[1:] else 'reads'} "

@@ -19,6 +19,7 @@ from shoecal_core.screening.blocks import blocks
 from shoecal_core.screening.disturbed import FAST_MOTIONS
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.findings import of_clock_rate, of_time_offset
+from shoecal_core.screening.imu import wrong_mount
 from shoecal_core.screening.result import LeftOut, Screening
 from shoecal_core.screening.saturated import at_ends_or_marked, ended
 from shoecal_core.screening.settings import CalibrationSettings
@@ -65,6 +66,8 @@ def screen(
     double = {
         number: one for number, one in aligned.items() if runs[number].info.support is not None
     }
+    if not soles:  # else the legs say nothing about the IMU
+        found = found.adding(words.of_imu(wrong_mount(runs, double)))
     if found.fails or not double:
         return found
     lifting = {

@@ -30,10 +30,11 @@ from shoecal_core.screening.saturated import (
     saturated,
 )
 from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.sideways import sideways_fault
 from shoecal_core.screening.spikes import find_jumps
 from shoecal_core.screening.weights import wrong_weights
 from shoecal_core.screening.wiring import check_wiring
-from shoecal_core.screening.zeros import moved_zeros, starts_at_zero
+from shoecal_core.screening.zeros import moved_zeros, starts, starts_at_zero
 from shoecal_core.shoe.sensing import MINIMUM_FORCE
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters, cop, foot_wrenches
@@ -86,12 +87,21 @@ def screen_standing(
         # First: zeros that move look like exchanged cables and like cells that stop.
         height = float(np.median([np.median(one.states.com[:, 0, 2]) for one in aligned.values()]))
         moved = moved_zeros(
-            rows, information, weight, height, settings, starts_at_zero(shoe, parts)
+            rows,
+            information,
+            weight,
+            height,
+            settings,
+            starts_at_zero(shoe, parts),
+            starts(parts),
         )
-        found = found.adding(words.of_zeros(moved, weight))
+        found = found.adding(words.of_zeros(shoe, moved, weight))
     if several and not found.fails:
         wiring = check_wiring(shoe, parts, information, weight, settings)
         found = found.adding(words.of_wiring(shoe, wiring))
+    slow = {run: aligned[run] for run, lift in lifting.items() if lift is None and run not in fast}
+    if not found.fails:
+        found = found.adding(words.of_sideways(sideways_fault(shoe, slow, weight)))
     if found.fails:
         return found
     watched = {run for run, lift in lifting.items() if lift is None} - {*fast, *hanging}

@@ -187,10 +187,18 @@ def _against(polarity: IntArray, fit: RoughFit) -> BoolArray:
 
 
 def exchanges(shoe: Shoe) -> list[list[tuple[int, int]]]:
-    """Pairs of one-axis cells, and all channels of both feet where these are alike."""
+    """Pairs of one-axis cells, and of torques of one foot and of both; all channels of both feet
+    where these are alike.
+    """
     cells = [i for i, channel in enumerate(shoe.channels) if channel.column[0] == 1.0]
+    torques = [i for i in range(len(shoe.names)) if shoe.torque[i]]
+    turned = [
+        [one, two] for one, two in combinations(torques, 2) if shoe.foot[one] == shoe.foot[two]
+    ]
     return [
         *([pair] for pair in combinations(cells, 2)),
+        *([(one, two)] for one, two in turned),
+        *([[(one, two) for one, two in turned]] if turned[1:] else []),
         *([feet] if (feet := of_feet(shoe)) else []),
     ]
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.screening.blocks import Blocks
 from shoecal_core.screening.rough_fit import Equations, reweighed, solve
 from shoecal_core.screening.settings import CalibrationSettings
@@ -34,9 +34,13 @@ PART, LEAST_RUNS = 0.2, 2
 LEFT = 0.2
 """Of what the runs contradict each other by, the most that zeros of their own may leave. Of a tare
 they leave a hundredth; of other faults mostly all."""
+NO_BETTER = 0.5
+"""Of what is left, what zeros of a run that was not zeroed leave again at least."""
 
 AT_ZERO = 0.05
 """Share of its range in a run by which each channel of a foot may start off zero after a tare."""
+CHANNEL_AT_ZERO = 0.01
+"""The same of a channel by itself, which chance brings there sooner than all of a foot."""
 
 
 @dataclass(frozen=True)
@@ -49,6 +53,7 @@ class MovedZeros:
         cop: by run, what the zeros move the CoP by against the reference [m].
         part: that `less` show less, where it is only a part of the weight; 0: all of it [N].
         tared: by foot (index into FEET), the runs before which it alone was zeroed under load.
+        channels: that start at zero in all runs of `less`, where no foot alone does.
     """
 
     less: tuple[int, ...]
@@ -56,6 +61,7 @@ class MovedZeros:
     cop: Mapping[int, float]
     part: float = 0.0
     tared: Mapping[int, tuple[int, ...]] = field(default_factory=dict)
+    channels: tuple[int, ...] = ()
 
 
 def moved_zeros(
@@ -65,6 +71,7 @@ def moved_zeros(
     height: float,
     settings: CalibrationSettings,
     tared: Mapping[int, tuple[int, ...]] | None = None,
+    at_zero: Mapping[int, FloatArray] | None = None,
 ) -> MovedZeros | None:
     """Whether zeros moved between runs by what only a tare under load moves them by.
 
@@ -73,11 +80,12 @@ def moved_zeros(
         information: (2n,) prior, of gains and offsets.
         weight: of robot and shoes [N]. height: of its CoM over the floor [m].
         tared: by foot, the runs that start with all of its readings at zero; see `starts_at_zero`.
+        at_zero: (n,) by run, how far each channel starts off zero; see `starts`.
 
     Returns:
         None where they did not.
     """
-    shift, left = _shifts(runs, information, weight, settings)
+    shift, left, common = _shifts(runs, information, weight, settings)
     if left > LEFT:
         return None
     numbers, scale = list(runs), np.array([1.0, TILT_RAD * height, TILT_RAD * height]) * weight
@@ -88,21 +96,43 @@ def moved_zeros(
         every = {run for one in tared.values() for run in one}
         rest = tuple(run for run in numbers if run not in every)
         return MovedZeros((), rest, {}, tared=tared)
+    odd = _odd([numbers[one] for one in np.argsort(-away)], common, information, weight, settings)
     less, more, cop = list[int](), list[int](), dict[int, float]()
     for run, (force, *moment) in zip(numbers, shift - shift[at], strict=True):
         if abs(abs(force) - weight) < WHOLE * weight:
             (less if force > 0.0 else more).append(run)
         moved = float(np.hypot(*moment)) / weight
         # Under another weight it is a load, and no tare.
-        if moved > TILT_RAD * height and abs(force) < SAME * weight:
+        if run in odd and moved > TILT_RAD * height and abs(force) < SAME * weight:
             cop[run] = moved
     if less or more:
         less = less or [run for run in numbers if run not in more]
         rest = tuple(run for run in numbers if run not in less)
         return MovedZeros(tuple(less), rest, cop)
+    # A tare takes away the zeros, too: what it hides need not be the weight, nor a part of it.
+    rest = tuple(run for run in numbers if run not in odd)
+    if at_zero and not cop and len(zeroed := _only(at_zero, odd, rest)):
+        return MovedZeros(odd, rest, {}, channels=tuple(zeroed.tolist()))
     if apart := _apart(numbers, shift[:, 0], weight):
         return apart
     return MovedZeros((), (numbers[at],), cop) if cop else None
+
+
+def _odd(
+    order: Sequence[int],
+    runs: Mapping[int, Equations],
+    information: FloatArray,
+    weight: float,
+    settings: CalibrationSettings,
+) -> tuple[int, ...]:
+    """The fewest runs, of an order, whose own zeros alone explain what the runs contradict."""
+    none = before = max(solve(runs, information).cost, LEAST_COST)
+    for count in range(1, len(order)):
+        left = solve(*_with_own(runs, order[:count], information, weight, settings)).cost
+        if before <= LEFT * none and left > NO_BETTER * before:
+            return tuple(sorted(order[: count - 1]))
+        before = left
+    return tuple(sorted(order[:-1]))
 
 
 def starts_at_zero(shoe: Shoe, runs: Mapping[int, Blocks]) -> dict[int, tuple[int, ...]]:
@@ -111,12 +141,26 @@ def starts_at_zero(shoe: Shoe, runs: Mapping[int, Blocks]) -> dict[int, tuple[in
     Runs that start so with both feet are left out.
     """
     found: dict[int, list[int]] = {}
-    for run, one in runs.items():
-        off = np.abs(one.readings[0]) > AT_ZERO * np.ptp(one.readings, axis=0)
-        feet = [foot for foot in range(len(FEET)) if not off[shoe.of_foot(foot)].any()]
+    for run, off in starts(runs).items():
+        feet = [foot for foot in range(len(FEET)) if (off[shoe.of_foot(foot)] <= AT_ZERO).all()]
         if len(feet) == 1:
             found.setdefault(feet[0], []).append(run)
     return {foot: tuple(numbers) for foot, numbers in sorted(found.items())}
+
+
+def starts(runs: Mapping[int, Blocks]) -> dict[int, FloatArray]:
+    """(n,) by run, how far each channel starts off zero, over its range in the run."""
+    tiny = np.finfo(np.float64).tiny
+    return {
+        run: np.abs(one.readings[0]) / np.maximum(np.ptp(one.readings, axis=0), tiny)
+        for run, one in runs.items()
+    }
+
+
+def _only(off: Mapping[int, FloatArray], runs: Sequence[int], rest: Sequence[int]) -> IntArray:
+    """Channels that start at zero in all of some runs, and in none of the rest."""
+    there = np.all([off[run] <= CHANNEL_AT_ZERO for run in runs], axis=0)
+    return np.flatnonzero(there & np.all([off[run] > AT_ZERO for run in rest], axis=0))
 
 
 def _apart(runs: Sequence[int], force: FloatArray, weight: float) -> MovedZeros | None:
@@ -145,22 +189,36 @@ def _shifts(
     information: FloatArray,
     weight: float,
     settings: CalibrationSettings,
-) -> tuple[FloatArray, float]:
-    """(R, 3) the runs' own wrenches [N, N m], and the share of the misfit that they leave."""
-    count = len(runs)
-    moment = settings.cop_std_m * weight
-    std = np.array([settings.force_std_n, moment, moment])
-    own = {}
-    for index, (run, one) in enumerate(runs.items()):
-        columns = np.zeros((3, one.matrix.shape[1], count, 3))
-        columns[np.arange(3), :, index, np.arange(3)] = 1.0 / std[:, None]
-        flat = columns.reshape(3, -1, 3 * count)
-        own[run] = replace(one, matrix=np.concatenate((one.matrix, flat), axis=2))
-    # A tare takes away what stood on the channels: no more than the weight.
-    usual = weight * np.array([1.0, TORQUE_LEVER_M, TORQUE_LEVER_M])
-    whole = np.concatenate((information, np.tile(usual**-2.0, count)))
+) -> tuple[FloatArray, float, dict[int, Equations]]:
+    """(R, 3) the runs' own wrenches [N, N m], the share of the misfit that they leave, and the
+    equations without them, weighted as they are with them.
+    """
+    own, whole = _with_own(runs, tuple(runs), information, weight, settings)
     own = reweighed(own, whole)
     fit = solve(own, whole)
     common = {run: replace(one, weight=own[run].weight) for run, one in runs.items()}
     left = fit.cost / max(solve(common, information).cost, LEAST_COST)
-    return fit.vector[len(information) :].reshape(count, 3), left
+    return fit.vector[len(information) :].reshape(len(runs), 3), left, common
+
+
+def _with_own(
+    runs: Mapping[int, Equations],
+    free: Sequence[int],
+    information: FloatArray,
+    weight: float,
+    settings: CalibrationSettings,
+) -> tuple[dict[int, Equations], FloatArray]:
+    """Equations in which the runs in `free` have wrenches of their own, and the information."""
+    count = len(free)
+    moment = settings.cop_std_m * weight
+    std = np.array([settings.force_std_n, moment, moment])
+    own = {}
+    for run, one in runs.items():
+        columns = np.zeros((3, one.matrix.shape[1], count, 3))
+        if run in free:
+            columns[np.arange(3), :, free.index(run), np.arange(3)] = 1.0 / std[:, None]
+        flat = columns.reshape(3, -1, 3 * count)
+        own[run] = replace(one, matrix=np.concatenate((one.matrix, flat), axis=2))
+    # A tare takes away what stood on the channels: no more than the weight.
+    usual = weight * np.array([1.0, TORQUE_LEVER_M, TORQUE_LEVER_M])
+    return own, np.concatenate((information, np.tile(usual**-2.0, count)))

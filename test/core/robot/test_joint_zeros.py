@@ -55,7 +55,7 @@ def test_nothing_is_said_of_good_zeros(nao: Kinematics) -> None:
 
 
 @pytest.mark.parametrize("joint", NAMES)
-@pytest.mark.parametrize("size", [-0.2, 0.35, 1.0])
+@pytest.mark.parametrize("size", [-0.2, 0.1, 0.35, 1.0])
 def test_the_joint_and_its_error(nao: Kinematics, joint: str, size: float) -> None:
     loop = found(nao, with_error(nao.robot, sway(nao.robot), joint, size))
     assert dict(loop.fits)[joint] == pytest.approx(-size, abs=0.02)
@@ -106,3 +106,36 @@ def test_samples_with_a_foot_in_the_air_do_not_hide_the_joint(nao: Kinematics) -
     angles = with_error(nao.robot, sway(nao.robot), "LHipRoll", 0.3)
     angles[60:, nao.robot.joint("RKneePitch")] += 0.5
     assert dict(found(nao, angles).fits)["LHipRoll"] == pytest.approx(-0.3, abs=0.02)
+
+
+@pytest.mark.parametrize("joint", NAMES)
+def test_a_joint_whose_sign_is_turned(nao: Kinematics, joint: str) -> None:
+    angles = sway(nao.robot)
+    angles[:, nao.robot.joint(joint)] *= -1.0
+    loop = found(nao, angles)
+    assert loop.reversed == (joint,)
+    assert f"a joint's sign is turned (best fit: {joint} with the other sign)" in (
+        loop.text(loaded=True)
+    )
+
+
+def test_a_sign_is_not_blamed_for_a_zero(nao: Kinematics) -> None:
+    """Of a robot that stands still as well."""
+    still = np.tile(nao.robot.posture, (5, 1))
+    loop = found(nao, with_error(nao.robot, still, "LHipPitch", 0.4))
+    assert loop.reversed == ()
+    assert "LHipPitch" in dict(loop.fits)
+
+
+def test_a_turn_of_a_hip_that_makes_the_soles_wander() -> None:
+    """They stay level: a yaw joint of a robot whose hips lean."""
+    kinematics = Kinematics(load_robot(config_dir() / "robots/wren.yaml"))
+    robot, time = kinematics.robot, np.linspace(0.0, 6.0, 90)
+    angles = np.tile(robot.posture, (len(time), 1))
+    for name, sign in (("hip_sway", 1.0), ("ankle_sway", -1.0)):
+        for side in ("left", "right"):
+            turned = sign if side == "left" else -sign
+            angles[:, robot.joint(f"{side}_{name}")] += turned * 0.25 * np.sin(time)
+    assert open_loop(kinematics, angles) is None
+    loop = found(kinematics, with_error(robot, angles, "left_hip_turn", 0.25))
+    assert dict(loop.fits)["left_hip_turn"] == pytest.approx(-0.25, abs=0.02)

@@ -14,6 +14,7 @@ from core.shoe import shoes
 from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import FileError
 from shoecal_core.recording.info import RunInfo
+from shoecal_core.recording.joint_series import in_degrees
 from shoecal_core.recording.run import JointSamples, PoseSamples, Readings, Run
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot import JointsMissingError
@@ -130,6 +131,13 @@ def test_angles_in_degrees_are_refused(run: Run) -> None:
     degrees = with_joints(run, position=np.degrees(run.joints.position))
     with pytest.raises(FileError, match=r"joint '.*' is at .* rad, .*, but within them in degrees"):
         align(degrees, SHOE, KINEMATICS)
+
+
+def test_a_turned_sign_is_not_taken_for_degrees() -> None:
+    """A knee of -0.1 to 2.2 rad that is recorded from -1.6 to -0.8 rad."""
+    turned = -np.linspace(0.8, 1.6, 20)
+    assert not in_degrees(turned, -0.1, 2.2)
+    assert in_degrees(np.degrees(-turned), -0.1, 2.2)
 
 
 def test_two_senders_that_take_turns_are_refused(run: Run) -> None:

@@ -88,6 +88,12 @@ def test_six_axis_feet_at_each_others_place() -> None:
     assert wiring(exchanged(whole, *pairs)) == WiringFaults((), pairs)
 
 
+@pytest.mark.parametrize("pairs", [((3, 4),), ((8, 9),), ((3, 4), (8, 9))], ids=str)
+def test_torques_of_a_foot_at_each_others_place(pairs: tuple[tuple[int, int], ...]) -> None:
+    shoe = made([*six_axis(0, [0.0, 0.01, 0.03]), *six_axis(1, [0.0, -0.01, 0.03])])
+    assert wiring(exchanged(recording(3, shoe=shoe), *pairs)) == WiringFaults((), pairs)
+
+
 SHOE = made(
     [
         *six_axis(0, [0.0, 0.01, 0.04], gain=25.0),

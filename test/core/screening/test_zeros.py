@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
 from core.screening.recordings import HEIGHT, SETTINGS, WEIGHT, Recording, recording
 from core.screening.test_screen import screened
 from core.screening.test_weights import carrying
-from shoecal_core.screening.blocks import blocks
+from core.shoe import shoes
+from shoecal_core.screening.blocks import block_size, blocks
+from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.findings import of_zeros
 from shoecal_core.screening.rough_fit import equations, prior
 from shoecal_core.screening.zeros import MovedZeros, moved_zeros
@@ -47,7 +51,7 @@ def test_a_tare_under_load_before_some_runs(runs: tuple[int, ...]) -> None:
     assert moved is not None
     assert moved.less == runs
     assert moved.reference == tuple(run for run in range(1, 5) if run not in runs)
-    (finding,) = of_zeros(moved, WEIGHT)
+    (finding,) = of_zeros(shoes.shoe("nao_shoe"), moved, WEIGHT)
     assert finding.verdict == "FAIL"
     assert f"{WEIGHT:.1f} N less than" in finding.reason
     assert "zeroed (tare) under load" in finding.reason
@@ -63,7 +67,7 @@ def test_a_tare_of_one_foot_under_load_before_later_runs(foot: str) -> None:
     moved = found(whole.with_readings(lambda run, values: values - zero * (run >= 3)))
     assert moved is not None
     assert (moved.less, moved.reference) == ((3, 4, 5), (1, 2))
-    (finding,) = of_zeros(moved, WEIGHT)
+    (finding,) = of_zeros(shoes.shoe("nao_shoe"), moved, WEIGHT)
     assert finding.verdict == "FAIL"
     assert f"{moved.part:.1f} N less than runs 1 and 2, each by as much" in finding.reason
 
@@ -99,7 +103,7 @@ def test_a_tare_in_another_posture_before_each_run() -> None:
     assert moved is not None
     assert moved.less == ()
     assert moved.cop
-    (finding,) = of_zeros(moved, WEIGHT)
+    (finding,) = of_zeros(shoes.shoe("nao_shoe"), moved, WEIGHT)
     assert "at the same weight" in finding.reason
 
 
@@ -107,3 +111,24 @@ def test_a_tare_once_before_all_runs_does_no_harm() -> None:
     whole = recording(count=3)
     first = whole.aligned[1].readings[0]
     assert found(whole.with_readings(lambda _, values: values - first)) is None
+
+
+@pytest.mark.parametrize("runs", [(4,), (2, 3)], ids=str)
+@pytest.mark.parametrize("channels", [(2,), (1, 6)], ids=str)
+def test_a_tare_of_some_cells_names_these_and_the_runs(
+    channels: tuple[int, ...], runs: tuple[int, ...]
+) -> None:
+    """Their zeros were far from nothing before: it hides another force than the weight."""
+    whole = recording(count=5)
+    own = np.isin(np.arange(len(whole.shoe.names)), channels)
+    usual = whole.aligned[1].readings
+    zero = 1.5 * np.ptp(usual, axis=0) * np.sign(np.median(usual, axis=0))
+    far = whole.with_readings(lambda _, values: values + zero)
+    first = block_size(whole.aligned[1].time)
+    spoilt = far.with_readings(
+        lambda run, values: values - own * np.median(values[:first], axis=0) * (run in runs)
+    )
+    (finding,) = screened(spoilt).findings
+    assert (finding.verdict, finding.fault) == ("FAIL", Fault.MOVED_ZEROS)
+    assert re.search(rf"runs? {' and '.join(map(str, runs))}\b", finding.reason)
+    assert [one for one in channels if whole.shoe.names[one] not in finding.reason] == []

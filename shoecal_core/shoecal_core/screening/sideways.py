@@ -1,0 +1,97 @@
+"""Sideways axes of six-axis sensors that are reversed, or at each other's place.
+
+While a robot moves slowly on both feet, what the floor pushes one foot sideways it pushes the other
+one back: both forces cancel, up to the mass times its CoM's acceleration and to zeros.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from shoecal_core.arrays import FloatArray
+from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.samples.aligned import Aligned
+from shoecal_core.screening.blocks import block_size, in_blocks
+from shoecal_core.shoe.shoe import FEET, Shoe
+
+AXES = ("fx", "fy")
+CANCELS = 0.25
+"""Of the mean square that does not cancel, the most that other axes may leave."""
+ALIKE = 2.0
+"""Axes that leave so many times the least explain it as well."""
+SIGNS = tuple(product((1.0, -1.0), repeat=2))
+"""Of two axes."""
+FAR = 3.0
+"""What does not cancel is that many times the mass times the CoM's acceleration, or more."""
+
+
+@dataclass(frozen=True)
+class SidewaysFault:
+    """Axes that would cancel: each way to wire them that does so with the fewest changes.
+
+    Attributes:
+        ways: of each, the changes in words, such as `left/fx reversed`.
+    """
+
+    ways: tuple[tuple[str, ...], ...]
+
+
+def sideways_fault(
+    shoe: Shoe, aligned: Mapping[int, Aligned], weight: float
+) -> SidewaysFault | None:
+    """Whether the feet's sideways forces cancel only with other signs or places of their axes.
+
+    Args:
+        aligned: slow runs with both feet on the floor, by number.
+        weight: of robot and shoes [N].
+    """
+    names = [f"{foot}/{axis}" for foot in FEET for axis in AXES]
+    if not aligned or not set(names) <= set(shoe.names):
+        return None
+    channels = [shoe.index(name) for name in names]
+    gain = np.array(
+        [(shoe.channels[i].nominal_gain or 1.0) * (shoe.polarity[i] or 1) for i in channels]
+    )
+    forces, turns, pushes = list[FloatArray](), list[FloatArray](), list[FloatArray]()
+    for one in aligned.values():
+        size = block_size(one.time)
+        shown = np.median(in_blocks(one.readings[:, channels], size), axis=1) * gain
+        forces.append((shown - shown.mean(axis=0)).reshape(-1, 2, 2))
+        turns.append(in_blocks(one.states.rotation[:, :2, :2], size).mean(axis=1))
+        com = in_blocks(one.states.com[:, 0, :2], size).mean(axis=1)
+        period = size * float(np.median(np.diff(one.time)))
+        rate = np.gradient(com, period, axis=0)
+        pushes.append(weight / GRAVITY * np.gradient(rate, period, axis=0))
+    force, turn = np.concatenate(forces), np.concatenate(turns)
+    ways = [_signed(order, signs) for order in ((0, 1), (1, 0)) for signs in SIGNS]
+    left = {}
+    for of_left, of_right in product(range(len(ways)), repeat=2):
+        right = np.einsum("bij,jk,bk->bi", turn, ways[of_right], force[:, 1])
+        left[of_left, of_right] = float(np.mean((force[:, 0] @ ways[of_left].T + right) ** 2))
+    least, push = min(left.values()), float(np.mean(np.concatenate(pushes) ** 2))
+    if least > CANCELS * left[0, 0] or left[0, 0] < FAR**2 * push:
+        return None
+    good = [
+        tuple(f"{FEET[foot]}/{change}" for foot in (0, 1) for change in _changes(ways[pair[foot]]))
+        for pair, one in left.items()
+        if one <= ALIKE * least
+    ]
+    fewest = min(map(len, good))
+    return SidewaysFault(tuple(way for way in good if len(way) == fewest))
+
+
+def _signed(order: tuple[int, int], signs: tuple[float, ...]) -> FloatArray:
+    """(2, 2) what makes the right axes of what is recorded."""
+    turn = np.zeros((2, 2))
+    turn[(0, 1), order] = signs
+    return turn
+
+
+def _changes(way: FloatArray) -> list[str]:
+    """What is wrong of a foot's axes, in words."""
+    turned = [f"{AXES[row]} reversed" for row in (0, 1) if way[row].sum() < 0.0]
+    return turned + (["fx and fy exchanged"] if way[0, 0] == 0.0 else [])
