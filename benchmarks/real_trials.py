@@ -9,12 +9,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from pages import Row
-from shoecal_core.estimation.axes import SIDEWAYS, sideways_axes
+from shoecal_core.estimation.axes import sideways_axes
 from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.estimation.weight import weigh
 from shoecal_core.recording.session import Session
 from shoecal_core.samples.zeros import NORMAL_95, data_sheet
 from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.sideways import AXES
 from shoecal_core.shoe.shoe import FEET
 from shoecal_core.workflows.calibrate import calibrate_session
 
@@ -126,5 +127,5 @@ def _axes(everything: CalibrationOutcome, runs: Sequence[int]) -> list[Row]:
             "finding": "reversed" if name in one.reversed else "open",
         }
         for one in sideways_axes(everything.data.shoe, everything.data.of(runs))
-        for index, name in enumerate(SIDEWAYS)
+        for index, name in enumerate(AXES)
     ]

@@ -15,10 +15,10 @@ from scipy.special import stdtrit
 
 from shoecal_core.arrays import FloatArray
 from shoecal_core.samples.stance import Stance
+from shoecal_core.screening.sideways import AXES
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import FEET, Shoe
 
-SIDEWAYS = ("fx", "fy")
 LEAST_RUNS = 3
 LEAST_SAMPLES = 50
 LEAST_SLOPE = 0.1
@@ -46,7 +46,7 @@ class SidewaysAxes:
         """Axes that move against the force."""
         return tuple(
             name
-            for index, name in enumerate(SIDEWAYS)
+            for index, name in enumerate(AXES)
             if self.slope[index, index] + self.half[index, index] < -LEAST_SLOPE
         )
 
@@ -62,13 +62,11 @@ def sideways_axes(shoe: Shoe, stances: Sequence[Stance]) -> list[SidewaysAxes]:
     """What single supports of a walk show; nothing with too few runs or without such axes."""
     found = []
     for foot, name in enumerate(FEET):
-        wanted = [f"{name}/{axis}" for axis in SIDEWAYS]
+        wanted = [f"{name}/{axis}" for axis in AXES]
         if not set(wanted) <= set(shoe.names):
             continue
         channels = [shoe.index(one) for one in wanted]
-        gain = [
-            abs(shoe.channels[i].nominal_gain or 1.0) * (shoe.polarity[i] or 1) for i in channels
-        ]
+        gain = [shoe.channels[i].rough_gain for i in channels]
         alone = [one for one in stances if one.push is not None and one.hanging == 1 - foot]
         slopes = []
         for run in sorted({one.run for one in alone}):
@@ -96,7 +94,7 @@ def check_axes(shoe: Shoe, stances: Sequence[Stance]) -> list[Finding]:
     against = [
         f"{FEET[one.foot]}/{name} {one.slope[index, index]:+.2f} ± {one.half[index, index]:.2f}"
         for one in feet
-        for index, name in enumerate(SIDEWAYS)
+        for index, name in enumerate(AXES)
         if name in one.reversed
     ]
     if against:

@@ -53,9 +53,7 @@ def sideways_fault(
     if not aligned or not set(names) <= set(shoe.names):
         return None
     channels = [shoe.index(name) for name in names]
-    gain = np.array(
-        [(shoe.channels[i].nominal_gain or 1.0) * (shoe.polarity[i] or 1) for i in channels]
-    )
+    gain = np.array([shoe.channels[i].rough_gain for i in channels])
     forces, turns, pushes = list[FloatArray](), list[FloatArray](), list[FloatArray]()
     for one in aligned.values():
         size = block_size(one.time)

@@ -86,15 +86,9 @@ def screen_standing(
     if several:
         # First: zeros that move look like exchanged cables and like cells that stop.
         height = float(np.median([np.median(one.states.com[:, 0, 2]) for one in aligned.values()]))
-        moved = moved_zeros(
-            rows,
-            information,
-            weight,
-            height,
-            settings,
-            starts_at_zero(shoe, parts),
-            starts(parts),
-        )
+        at_zero = starts(parts)
+        tared = starts_at_zero(shoe, at_zero)
+        moved = moved_zeros(rows, information, weight, height, settings, tared, at_zero)
         found = found.adding(words.of_zeros(shoe, moved, weight))
     if several and not found.fails:
         wiring = check_wiring(shoe, parts, information, weight, settings)

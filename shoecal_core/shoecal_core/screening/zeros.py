@@ -135,13 +135,17 @@ def _odd(
     return tuple(sorted(order[:-1]))
 
 
-def starts_at_zero(shoe: Shoe, runs: Mapping[int, Blocks]) -> dict[int, tuple[int, ...]]:
-    """By foot, the runs in double support that start with all of its readings at zero.
+def starts_at_zero(shoe: Shoe, at_zero: Mapping[int, FloatArray]) -> dict[int, tuple[int, ...]]:
+    """By foot, the runs that start with all of its readings at zero.
 
     Runs that start so with both feet are left out.
+
+    Args:
+        shoe: with its channels.
+        at_zero: (n,) by run in double support; see `starts`.
     """
     found: dict[int, list[int]] = {}
-    for run, off in starts(runs).items():
+    for run, off in at_zero.items():
         feet = [foot for foot in range(len(FEET)) if (off[shoe.of_foot(foot)] <= AT_ZERO).all()]
         if len(feet) == 1:
             found.setdefault(feet[0], []).append(run)

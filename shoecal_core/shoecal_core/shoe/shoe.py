@@ -58,6 +58,13 @@ class Channel:
     highest: float
 
     @property
+    def rough_gain(self) -> float:
+        """Output per reading: its size by the data sheet, its sign by the polarity; each as if it
+        were 1 where it is not known.
+        """
+        return abs(self.nominal_gain or 1.0) * (self.polarity or 1)
+
+    @property
     def vertical(self) -> bool:
         """Whether it feels vertical force itself: a cell, or that axis of a six-axis sensor.
 

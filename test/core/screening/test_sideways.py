@@ -59,6 +59,18 @@ def test_forces_that_are_those_of_an_accelerated_robot_say_nothing() -> None:
     assert found(turned) is None
 
 
+@pytest.mark.parametrize("polarity", [-1, 1])
+@pytest.mark.parametrize("gain", [-1.0, 1.0])
+def test_the_sign_is_the_polaritys_alone(polarity: int, gain: float) -> None:
+    at = SHOE.index("left/fx")
+    channels = list(SHOE.channels)
+    channels[at] = replace(channels[at], polarity=polarity, nominal_gain=gain)
+    turned = np.where(np.arange(len(channels)) == at, polarity, 1)
+    whole = changed(pressing(), lambda values: values * turned)
+    shoe = replace(SHOE, channels=tuple(channels))
+    assert sideways_fault(shoe, whole.aligned, WEIGHT) is None
+
+
 @pytest.mark.parametrize("foot", ["left", "right"])
 @pytest.mark.parametrize("axis", ["fx", "fy"])
 def test_a_reversed_axis(foot: str, axis: str) -> None:
