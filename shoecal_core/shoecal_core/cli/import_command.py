@@ -15,7 +15,6 @@ from shoecal_core.files import atomic_write
 from shoecal_core.recording.bag_draft import draft_mapping, mapping_text
 from shoecal_core.recording.bag_import import import_bags
 from shoecal_core.recording.csv_import import import_csv
-from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.session import Session, require_free
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.shoe.shoe import load_shoe
@@ -88,16 +87,7 @@ def _draft(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     require_folder(args.out)
     shoe = load_shoe(shoe_file(args, args.robot))
     robot = load_robot(args.robot, shoe)
-    try:
-        draft = draft_mapping(args.bags, robot, shoe)
-    except RecordingError as error:
-        if args.shoe is None or f"'{shoe.name}'" not in error.problem:
-            raise
-        raise RecordingError(
-            error.path,
-            f"{args.shoe} seems to be another robot's shoe: name the one that was recorded "
-            f"(--shoe). The recording {error.problem}",
-        ) from error
+    draft = draft_mapping(args.bags, robot, shoe)
     text = mapping_text(draft, args.out.absolute().parent, args.robot, robot.urdf, shoe.path)
     atomic_write(args.out, text)
     say(console, f"{args.out}: drafted; check it:")

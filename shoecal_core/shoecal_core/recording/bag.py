@@ -248,6 +248,10 @@ def _cure(file: Path) -> str:
 
 def _damaged(path: Path, error: BaseException) -> RecordingError:
     reason = reason_of(error).replace("; please report issue.", "")
+    if path.is_file() and not path.stat().st_size:
+        return RecordingError(path, "is empty; copy it again, or record it again")
+    if "invalid magic" in reason:
+        return RecordingError(path, "is no MCAP file, though its name says so; name the recording")
     cure = "repair it with `ros2 bag reindex`, `mcap recover` or `rosbag reindex`"
     if "not supported" in reason:
         cure = "convert it with `ros2 bag convert` or `rosbag decompress`"

@@ -15,7 +15,7 @@ import yaml
 
 from shoecal_core.arrays import FloatArray
 from shoecal_core.recording.bag import Bag
-from shoecal_core.recording.bag_fields import table
+from shoecal_core.recording.bag_fields import WRENCH, table
 from shoecal_core.recording.bag_mapping import CHOOSE
 from shoecal_core.recording.bag_match import (
     Match,
@@ -40,6 +40,7 @@ from shoecal_core.recording.joint_series import (
     without_zeros,
 )
 from shoecal_core.recording.mapping import ANGLE_UNIT, FORMAT
+from shoecal_core.recording.schemas import SHOE_VOLTAGES_TYPE
 from shoecal_core.recording.standing import find_feet
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.kinematics import Kinematics
@@ -112,6 +113,7 @@ def draft_mapping(bags: Sequence[Path], robot: Robot, shoe: Shoe) -> BagDraft:
         joints = match_joints(bag, seen, others, robot)
         degrees = joints.chosen and _degrees(_angles(bag, joints, robot), robot)
         there = what_is_there(bag)
+        empty = [name for name, one in bag.topics.items() if not one.count]
     fields = {
         "joints": joints,
         "cells": match_cells(seen, others, shoe),
@@ -121,14 +123,10 @@ def draft_mapping(bags: Sequence[Path], robot: Robot, shoe: Shoe) -> BagDraft:
     }
     found = {key: match for key, match in fields.items() if match is not None}
     if not {"cells", "wrenches.left", "wrenches.right"} & set(found):
-        raise RecordingError(
-            bags[0],
-            f"has no topic that fits '{shoe.name}' ({', '.join(shoe.names)}); {there}; record one, "
-            "or write in the mapping which field is which (cells: {TOPIC: {FIELD: CELL}})",
-        )
+        raise RecordingError(bags[0], f"{_no_readings(shoe, seen, empty)}; {there}")
     used = [topic for match in found.values() for topic in match.topics]
     received = _other_clocks({topic: (seen | others)[topic] for topic in used})
-    notes = [f"{topic}: its stamps are of another clock or missing" for topic in received]
+    notes = [f"{topic}: {_why_received((seen | others)[topic])}" for topic in received]
     notes += [DEGREES] if degrees else []
     notes += [
         f"no topic fits the {foot} foot's six-axis sensor, which is left out: record it"
@@ -142,6 +140,36 @@ def draft_mapping(bags: Sequence[Path], robot: Robot, shoe: Shoe) -> BagDraft:
     trials = [trial for bag in bags for trial in _trials(bag, used, stand)]
     notes += [f"{trial.bag.name}: {note}" for trial in trials for note in trial.notes]
     return BagDraft(tuple(trials), found, degrees, received, tuple(notes))
+
+
+def _no_readings(shoe: Shoe, seen: Mapping[str, TopicContent], empty: Sequence[str]) -> str:
+    """Why no topic fits a shoe, with the cure: other cells, another kind of sensor, or none."""
+    problem = f"has no topic that fits '{shoe.name}' ({', '.join(shoe.names)})"
+    for topic, one in seen.items():
+        if one.type == SHOE_VOLTAGES_TYPE:
+            named = ", ".join(one.names) or "no cells"
+            return f"{problem}: {topic} names {named}; name the shoe that was recorded (--shoe)"
+    wrenches = [topic for topic, one in seen.items() if one.type == WRENCH]
+    if wrenches and not any(name.endswith(AXES) for name in shoe.names):
+        return (
+            f"{problem}: it has six-axis sensors ({', '.join(wrenches)}), '{shoe.name}' has single "
+            "cells; name the shoe that was recorded (--shoe)"
+        )
+    if empty:
+        return f"{problem}: {', '.join(empty)} is there, but holds no message; record it again"
+    return (
+        f"{problem}; record one, or write in the mapping which field is which (cells: {{TOPIC: "
+        "{FIELD: CELL}})"
+    )
+
+
+def _why_received(one: TopicContent) -> str:
+    if one.offset_s is None:
+        return "its messages have no stamps: they count at the times at which they were received"
+    return (
+        f"its stamps are {abs(one.offset_s):.1f} s off the times at which they were received, "
+        "those of others are not: the latter count"
+    )
 
 
 def _other_clocks(seen: Mapping[str, TopicContent]) -> tuple[str, ...]:

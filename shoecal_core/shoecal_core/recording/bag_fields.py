@@ -47,6 +47,8 @@ KNOWN = frozenset({JOINT_STATE, SHOE_VOLTAGES_TYPE, *SENSORS})
 """Types that are read for what they mean; of all others the numbers are."""
 MOST_ELEMENTS = 64
 """Of an array, that are taken for readings or joint angles; images have more."""
+_COMMANDED = re.compile(r"desired|reference|error|output")
+"""Parts of a controller's state that are not measured."""
 _STEP = re.compile(r"(\w+)((?:\[\d+\])*)\Z")
 _SKIPPED = ("header", "layout")
 _SIDES = {"left": "left", "l": "left", "right": "right", "r": "right"}
@@ -110,6 +112,47 @@ def numbers_in(content: Any, prefix: str = "") -> Iterator[str]:
                     yield f"{path}[{at}]"
 
 
+def named_numbers(content: Any) -> dict[str, str]:
+    """Path by name, where a message lists names and as many numbers.
+
+    Thus do JointState, and what the controllers of ros2_control report (JointTrajectoryController-
+    State, DynamicJointState): measured positions where they are there, else what is not zero.
+    """
+    names = next(
+        (list(value) for field in fields(content) if _texts(value := getattr(content, field.name))),
+        [],
+    )
+    if not names:
+        return {}
+    found = _by_interface(content, len(names))
+    arrays = [
+        one for one in arrays_in(list(numbers_in(content))).items() if len(one[1]) == len(names)
+    ]
+    measured = [one for one in arrays if not _COMMANDED.search(one[0])]
+    for _, paths in sorted(measured, key=lambda one: "position" not in one[0]):
+        if paths and not any(number_at(content, one) for one in found):
+            found = paths
+    return dict(zip(names, found, strict=True)) if found else {}
+
+
+def _by_interface(content: Any, count: int) -> list[str]:
+    """Paths of the positions, else of the first values, in a DynamicJointState."""
+    for field in fields(content):
+        listed = getattr(content, field.name)
+        if not isinstance(listed, list) or len(listed) != count:
+            continue
+        kinds = [list(getattr(one, "interface_names", ())) for one in listed]
+        for kind in ("position", *kinds[0][:1]):
+            if all(kind in own for own in kinds):
+                places = [own.index(kind) for own in kinds]
+                return [f"{field.name}[{at}].values[{place}]" for at, place in enumerate(places)]
+    return []
+
+
+def _texts(value: object) -> bool:
+    return isinstance(value, list) and bool(value) and all(isinstance(one, str) for one in value)
+
+
 def table(contents: Sequence[Any], paths: Sequence[str]) -> FloatArray:
     """(T, k) numbers at paths of messages; NaN where a message has none.
 
@@ -154,6 +197,12 @@ def cells_by_words(topic: str, paths: Sequence[str], cells: Sequence[str]) -> di
         if len(fitting) == 1:
             found[path] = fitting[0]
     return found if len(set(found.values())) == len(found) else {}
+
+
+def foot_in(topic: str, path: str) -> str | None:
+    """The foot that the words of topic and field name; None where they name none, or both."""
+    sides = {word for word in (*_words(topic), *_words(path)) if word in _SIDES.values()}
+    return sides.pop() if len(sides) == 1 else None
 
 
 def arrays_in(paths: Sequence[str]) -> Mapping[str, list[str]]:

@@ -23,6 +23,8 @@ from shoecal_core.recording.bag_fields import (
     WRENCH,
     arrays_in,
     cells_by_words,
+    foot_in,
+    named_numbers,
     numbers_in,
     stamp_ns,
 )
@@ -45,6 +47,10 @@ _WORDS = {
     "left": re.compile(r"(^|[^a-z])(left|l)([^a-z]|$)"),
     "right": re.compile(r"(^|[^a-z])(right|r)([^a-z]|$)"),
 }
+_ANGLES = re.compile(
+    r"^(?!.*(temp|torque|current|speed|veloc|command|goal|target)).*(joint|servo|posit)"
+)
+"""A topic of measured joint angles, by the words of its name."""
 _HAND = re.compile(r"hand|wrist|arm|gripper")
 
 
@@ -60,6 +66,7 @@ class TopicContent:
         force: (3,) mean force of wrenches [N].
         offset_s: how much later than stamped they were received, median [s]; None: no stamps.
         numbers: paths of the numbers in a message of a type that is not known.
+        named: path of the number that such a message gives for a name, by the name.
     """
 
     type: str
@@ -69,6 +76,7 @@ class TopicContent:
     force: FloatArray
     offset_s: float | None
     numbers: tuple[str, ...] = ()
+    named: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -102,10 +110,13 @@ def what_is_there(bag: Bag) -> str:
 
 
 def other_types(bag: Bag) -> dict[str, TopicContent]:
-    """The topics of all other types that have numbers, by their first messages."""
+    """The topics of all other types that have numbers, by their first messages.
+
+    Those of joint states, too: some drivers report cells in them.
+    """
     found = {}
     for name, one in bag.topics.items():
-        if one.type in KNOWN or not one.count:
+        if one.type in KNOWN - {JOINT_STATE} or not one.count:
             continue
         try:
             message = next(bag.messages((name,)), None)
@@ -117,7 +128,8 @@ def other_types(bag: Bag) -> dict[str, TopicContent]:
             continue
         stamp = stamp_ns(message.content)
         delay = 1e-9 * (message.received_ns - stamp) if stamp else None
-        found[name] = TopicContent(one.type, (), (), (), np.zeros(3), delay, numbers)
+        named = named_numbers(message.content)
+        found[name] = TopicContent(one.type, (), (), (), np.zeros(3), delay, numbers, named)
     return found
 
 
@@ -189,9 +201,15 @@ def match_joints(
         named = [name for name in states if name in seen]
         known = ", ".join(robot.joint_names[:5])
         if named:
-            text = f"{', '.join(named)} names {', '.join(seen[named[0]].names[:5])}, …"
+            own = seen[named[0]].names
+            text = f"{', '.join(named)} names {', '.join(own[:5])}, …"
             problem = (
-                f"{text}, and none of the joints of '{robot.name}' ({known}, …); check --robot"
+                f"{text}, and none of the joints of '{robot.name}' ({known}, …); check --robot, "
+                "or write in the mapping which is which (joints: {topics: [TOPIC], rename: "
+                "{NAME: JOINT}})"
+                if own
+                else f"{', '.join(named)} gives angles without names; write in the mapping which "
+                "field is which joint (joints: {TOPIC: {'position[0]': JOINT, ...}})"
             )
         elif states:
             problem = f"{', '.join(states)} is there, but holds no message; record it again"
@@ -246,16 +264,20 @@ def _joints_by_field(others: Mapping[str, TopicContent], robot: Robot) -> Match 
     """The topic whose fields are the robot's joints, by their names or by their usual order."""
     joints = robot.joint_names
     for topic, one in others.items():
+        said = matched_names(tuple(one.named), joints)
+        if len(said) >= len(robot.leg_names):
+            return _by_field({topic: {one.named[name]: joint for name, joint in said.items()}})
         named = matched_names([path.rpartition(".")[2] for path in one.numbers], joints)
         if len(named) >= len(robot.leg_names):
             paths = {path.rpartition(".")[2]: path for path in one.numbers}
             return _by_field({topic: {paths[name]: joint for name, joint in named.items()}})
-        for paths_of in arrays_in(one.numbers).values():
+        # An array next to names that are not the robot's is that of another robot.
+        for paths_of in () if one.named else arrays_in(one.numbers).values():
             if one.type == LOLA_POSITIONS and len(paths_of) == len(LOLA_JOINTS):
                 order = dict(zip(paths_of, LOLA_JOINTS, strict=True))
                 own = {path: joint for path, joint in order.items() if joint in joints}
                 return _by_field({topic: own}, f"{topic}: joints in the order of JointIndexes.msg")
-            if len(paths_of) == len(joints) and "joint" in topic.lower():
+            if len(paths_of) == len(joints) and _ANGLES.search(topic.lower()):
                 own = dict(zip(paths_of, joints, strict=True))
                 return _by_field({topic: own}, f"{topic}: {ORDER} robot file; correct it")
     return None
@@ -279,9 +301,7 @@ def match_cells(
         rename = {old: new for one in fitting.values() for old, new in one.items() if old != new}
         return Match(tuple(fitting), rename=rename)
     by_words = {
-        topic: names
-        for topic, one in others.items()
-        if (names := cells_by_words(topic, one.numbers, shoe.names))
+        topic: names for topic, one in others.items() if (names := _cells_named(topic, one, shoe))
     }
     if by_words:
         given = {name for names in by_words.values() for name in names.values()}
@@ -290,16 +310,40 @@ def match_cells(
         notes += [f"no field is {lacking}; add it"] if lacking else []
         return _by_field(by_words, *notes)
     arrays = [
-        (topic, paths)
+        (topic, path, paths)
         for topic, one in others.items()
-        for paths in arrays_in(one.numbers).values()
-        if len(paths) == len(shoe.names)
+        if not one.named
+        for path, paths in arrays_in(one.numbers).items()
     ]
-    if len(arrays) != 1:
-        return None
-    topic, paths = arrays[0]
-    own = dict(zip(paths, shoe.names, strict=True))
-    return _by_field({topic: own}, f"{topic}: {ORDER} shoe file; correct it")
+    whole = [(topic, paths) for topic, _, paths in arrays if len(paths) == len(shoe.names)]
+    if len(whole) == 1:
+        topic, paths = whole[0]
+        own = dict(zip(paths, shoe.names, strict=True))
+        return _by_field({topic: own}, f"{topic}: {ORDER} shoe file; correct it")
+    fields = dict[str, dict[str, str]]()
+    for foot in FEET:
+        cells = [name for name in shoe.names if name.startswith(f"{foot}/")]
+        own_arrays = [
+            (topic, paths)
+            for topic, path, paths in arrays
+            if len(paths) == len(cells) and foot_in(topic, path) == foot
+        ]
+        if len(own_arrays) != 1:
+            return None
+        topic, paths = own_arrays[0]
+        fields.setdefault(topic, {}).update(zip(paths, cells, strict=True))
+    return _by_field(fields, *(f"{topic}: {ORDER} shoe file; correct it" for topic in fields))
+
+
+def _cells_named(topic: str, one: TopicContent, shoe: Shoe) -> dict[str, str]:
+    """Cell by path, where messages list its name with a number, or fields have its words."""
+    names = tuple(one.named)
+    cells = matched_names(names, shoe.names) or cells_by_words("", names, shoe.names)
+    # Joints may share a word with a cell, but not with all cells of a foot.
+    for foot in FEET:
+        if {name for name in shoe.names if name.startswith(f"{foot}/")} <= set(cells.values()):
+            return {one.named[name]: cell for name, cell in cells.items()}
+    return {} if names else cells_by_words(topic, one.numbers, shoe.names)
 
 
 def match_wrench(

@@ -23,7 +23,9 @@ def test_a_draft_with_the_shoe_of_another_robot(
     words = ["draft", run, "--robot", robot, "--shoe", WREN_SHOE, "--out", out]
     assert main(["import", *map(str, words)]) == 1
     told = capsys.readouterr().err
-    assert f"{WREN_SHOE} seems to be another robot's shoe: name the one that was recorded" in told
+    assert "has no topic that fits 'wren_shoe'" in told
+    assert "/shoe/voltages names " in told
+    assert "; name the shoe that was recorded (--shoe)" in told
     assert not out.exists()
 
 

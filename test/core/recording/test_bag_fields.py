@@ -21,6 +21,7 @@ from shoecal_core.files import read_yaml, write_yaml
 from shoecal_core.recording.bag_draft import draft_mapping, mapping_text
 from shoecal_core.recording.bag_fields import LOLA_JOINTS, LOLA_POSITIONS, cells_by_words
 from shoecal_core.recording.bag_import import import_bags
+from shoecal_core.recording.schemas import SHOE_VOLTAGES_TYPE, schema_text
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.shoe.shoe import load_shoe
@@ -50,6 +51,19 @@ class Recording:
         angles = [posture(joint) for joint in names]
         for time in times():
             self.bag.joints(time, names, angles)
+
+    def voltages(self, time: float, cell: str) -> None:
+        """One reading, in the message of the project's own."""
+        message = self.bag.make(
+            SHOE_VOLTAGES_TYPE,
+            header=self.bag.header(time),
+            sequence=0,
+            cell=[cell],
+            voltage=np.ones(1),
+            status=np.zeros(1, dtype=np.uint8),
+            temperature=math.nan,
+        )
+        self.bag.add(time, "/shoe/voltages", message)
 
     def numbers(self, topic: str, kind: str, fields: Sequence[str], cells: Sequence[str]) -> None:
         """One field a cell, stamped."""
@@ -152,6 +166,119 @@ def test_an_array_is_taken_in_the_order_of_the_shoe_file_and_that_is_to_be_check
     recording.assert_arrived(recording.imported(tmp_path))
     text = (tmp_path / "mapping.yaml").read_text()
     assert "# CHECK: /load_cells: its numbers have no names" in text
+
+
+INTERFACES = "control_msgs/msg/InterfaceValue"
+CONTROL = {
+    INTERFACES: "string[] interface_names\nfloat64[] values\n",
+    "control_msgs/msg/DynamicJointState": HEADER
+    + "string[] joint_names\ncontrol_msgs/InterfaceValue[] interface_values\n",
+    "control_msgs/msg/JointTrajectoryControllerState": HEADER
+    + "string[] joint_names\n"
+    + "".join(
+        f"trajectory_msgs/JointTrajectoryPoint {part}\n" for part in ("reference", "feedback")
+    ),
+}
+
+
+def controller_state(recording: Recording, kind: str, time: float) -> object:
+    """What a controller of ros2_control reports of joints; what it commands is 0.1 rad off."""
+    make, names = recording.bag.make, recording.robot.joint_names
+    angles = np.array([posture(joint) for joint in names])
+    head = {"header": recording.bag.header(time), "joint_names": list(names)}
+    if kind.endswith("DynamicJointState"):
+        listed = [
+            make(INTERFACES, interface_names=["effort", "position"], values=np.array([3.0, angle]))
+            for angle in angles
+        ]
+        return make(kind, **head, interface_values=listed)
+    none, start = np.zeros(0), make("builtin_interfaces/msg/Duration", sec=0, nanosec=0)
+    reference, feedback = (
+        make(
+            "trajectory_msgs/msg/JointTrajectoryPoint",
+            positions=angles + off,
+            velocities=none,
+            accelerations=none,
+            effort=none,
+            time_from_start=start,
+        )
+        for off in (0.1, 0.0)
+    )
+    return make(kind, **head, reference=reference, feedback=feedback)
+
+
+@pytest.mark.parametrize("kind", sorted(set(CONTROL) - {INTERFACES}))
+def test_what_controllers_measured(tmp_path: Path, kind: str) -> None:
+    """Joint angles by the names that messages list; cells by those of a joint state's efforts."""
+    recording = Recording(tmp_path, CONTROL)
+    cells = [name.replace("/", "_") for name in recording.shoe.names]
+    for time in times():
+        efforts = [recording.value(cell, time) for cell in recording.shoe.names]
+        recording.bag.add(time, "/fsr", recording.bag.joint_state(time, cells, [], efforts))
+        recording.bag.add(time, "/state", controller_state(recording, kind, time))
+    session = recording.imported(tmp_path)
+    recording.assert_arrived(session)
+    joints = session.read(1).joints
+    expected = [posture(joint) for joint in joints.names]
+    assert set(joints.names) == set(recording.robot.joint_names)
+    np.testing.assert_allclose(joints.position, np.tile(expected, (len(joints.time), 1)))
+
+
+def test_joints_of_another_robot_are_not_taken_in_their_order(tmp_path: Path) -> None:
+    recording = Recording(tmp_path, {})
+    names = [f"motor_{at}" for at, _ in enumerate(recording.robot.joint_names)]
+    for time in times():
+        recording.bag.joints(time, names)
+    with pytest.raises(FileError, match=r"names motor_0, motor_1.*; check --robot, or write in"):
+        recording.imported(tmp_path)
+
+
+def arrays(recording: Recording, feet: Mapping[str, int]) -> None:
+    """An array a topic, of so many of the foot's cells."""
+    make = recording.bag.make
+    layout = make("std_msgs/msg/MultiArrayLayout", dim=[], data_offset=0)
+    for time in times():
+        for foot, count in feet.items():
+            cells = [name for name in recording.shoe.names if name.startswith(foot)][:count]
+            data = np.array([recording.value(cell, time) for cell in cells])
+            message = make("std_msgs/msg/Float64MultiArray", layout=layout, data=data)
+            recording.bag.add(time, f"/{foot}_foot/cells", message)
+
+
+def test_an_array_a_foot(tmp_path: Path) -> None:
+    recording = Recording(tmp_path, {})
+    recording.joint_states()
+    arrays(recording, {"right": 4, "left": 4})
+    recording.assert_arrived(recording.imported(tmp_path))
+    text = (tmp_path / "mapping.yaml").read_text()
+    assert "# CHECK: /left_foot/cells: its numbers have no names" in text
+    assert "# CHECK: /left_foot/cells: its messages have no stamps" in text
+
+
+@pytest.mark.parametrize("feet", [{"right": 4}, {"right": 3, "left": 4}])
+def test_arrays_that_lack_cells_are_not_guessed(tmp_path: Path, feet: Mapping[str, int]) -> None:
+    recording = Recording(tmp_path, {})
+    recording.joint_states()
+    arrays(recording, feet)
+    with pytest.raises(FileError, match=r"has no topic that fits 'nao_shoe'.*which field is which"):
+        recording.imported(tmp_path)
+
+
+def test_why_no_topic_fits(tmp_path: Path) -> None:
+    """Another kind of sensor, other cells: the shoe file is another one's."""
+    for name, kind in (("wrenches", "six-axis sensors"), ("voltages", "names left/toe")):
+        folder = tmp_path / name
+        folder.mkdir()
+        text = schema_text(SHOE_VOLTAGES_TYPE).decode().split("=====", maxsplit=1)[0]
+        recording = Recording(folder, {SHOE_VOLTAGES_TYPE: text})
+        recording.joint_states()
+        for time in times():
+            if name == "wrenches":
+                recording.bag.feet(time)
+            else:
+                recording.voltages(time, "left/toe")
+        with pytest.raises(FileError, match=rf"{kind}.*name the shoe that was recorded \(--shoe\)"):
+            recording.imported(folder)
 
 
 @pytest.mark.parametrize(
