@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
@@ -16,7 +16,7 @@ from shoecal_core.errors import FieldError
 from shoecal_core.recording import foreign, messages
 from shoecal_core.recording.csv_mapping import (
     CsvMapping,
-    JointColumns,
+    NamedColumns,
     SensorColumns,
     load_csv_mapping,
 )
@@ -38,6 +38,13 @@ MAX_ODD_ROWS_SHARE = 0.02
 """Tables of one trial whose numbers of rows differ by more are not row by row of one clock."""
 MAX_REPEATED_SHARE = 0.1
 """A time column in which more rows repeat or go back is no time column of rows in order."""
+MOST_LOGS = 5
+"""Of one file, after each of which time starts again; where it goes back more often rows are
+unsorted."""
+SLOWEST_NS, FASTEST_NS = 1e9, 1e4
+"""Between rows, usually: sensors of feet are sampled at 10 Hz to 10 kHz [ns]."""
+EPOCH_NS = 10**18
+"""In 2001: a time column that is later counts from 1970 [ns]."""
 
 
 def import_csv(mapping_path: Path, folder: Path, out: Path) -> Session:
@@ -131,8 +138,9 @@ class _Importer:
             for sensor, columns in meaning.sensors.items():
                 found += self._sensor(sensor, here, columns)
             if meaning.cells:
-                values = here.read(tuple(meaning.cells.values()))
-                found += foreign.voltages(here.stamps, tuple(meaning.cells), values)
+                cells = self._columns(here.table, meaning.cells, "cells", self._shoe.names)
+                values = here.read(tuple(cells.values()))
+                found += foreign.voltages(here.stamps, tuple(cells), values)
         source = next(tables[name].path for name, one in mapping.tables.items() if one.joints)
         return ImportedRun(source, trial, found, tuple(notes))
 
@@ -177,7 +185,7 @@ class _Importer:
         for name, meaning in self._mapping.tables.items():
             if meaning.efforts:
                 measured = rows[name]
-                columns = self._columns(measured.table, meaning.efforts)
+                columns = self._columns(measured.table, meaning.efforts, "efforts", self._joints)
                 read = measured.read(tuple(columns.values()))
                 efforts = dict(zip(columns, read.T, strict=True))
         found: list[StampedMessage] = []
@@ -185,7 +193,7 @@ class _Importer:
             if not meaning.joints:
                 continue
             here = rows[name]
-            columns = self._columns(here.table, meaning.joints)
+            columns = self._columns(here.table, meaning.joints, "joints", self._joints)
             effort = None
             if efforts:
                 effort = np.full((len(here.stamps), len(columns)), np.nan)
@@ -213,14 +221,18 @@ class _Importer:
         good = foreign.whole_poses(rows.table.path, sensor, values, rows.notes)
         return foreign.base_poses(stamps[good], columns.frame, values[good])
 
-    def _columns(self, table: CsvTable, wanted: JointColumns) -> Mapping[str, CsvColumn]:
-        """Columns by joint."""
+    @staticmethod
+    def _columns(
+        table: CsvTable, wanted: NamedColumns, key: str, known: Collection[str]
+    ) -> Mapping[str, CsvColumn]:
+        """Columns by joint or channel."""
         if not wanted.every:
             return wanted.named
-        found = {name: CsvColumn(name) for name in table.names if name in self._joints}
+        found = {name: CsvColumn(name) for name in table.names if name in known}
         if not found:
-            problem = "no column has the name of one of the robot's joints; name them in 'joints'"
-            raise FieldError(table.path, problem)
+            whose = "the shoe's channels" if key == "cells" else "the robot's joints"
+            problem = f"no column has the name of one of {whose} ({', '.join(sorted(known))})"
+            raise FieldError(table.path, f"{problem}; name its columns in '{key}'")
         return found
 
     def _check_channels(self) -> None:
@@ -229,7 +241,7 @@ class _Importer:
             for key, columns in (("joints", meaning.joints), ("efforts", meaning.efforts)):
                 for joint in columns.named:
                     self._check(f"tables.{name}.{key}", joint, sorted(self._joints))
-            for cell in meaning.cells:
+            for cell in meaning.cells.named:
                 self._check(f"tables.{name}.cells", cell, self._shoe.names)
             if (wrench := meaning.sensors.get("wrench")) is not None:
                 foreign.check_six_axis(
@@ -251,12 +263,22 @@ def _timed(
     outside = (nanoseconds + start_ns < 0.0) | (nanoseconds + start_ns >= foreign.LATEST_NS)
     if outside.any():
         place = int(np.flatnonzero(outside)[0])
-        raise table.error(
-            time.name, place, "time is negative or after 2038; shift it, check its unit"
-        )
+        cure = "shift it, check its unit"
+        if start_ns and ((nanoseconds >= EPOCH_NS) & (nanoseconds < foreign.LATEST_NS)).all():
+            cure = "it counts from 1970 already: leave the trial's 'start' out"
+        raise table.error(time.name, place, f"time is negative or after 2038; {cure}")
     stamps = np.rint(nanoseconds).astype(np.int64) + start_ns
     forward = in_order(stamps)
     back = np.flatnonzero(~forward)
+    steps = np.abs(np.diff(nanoseconds))
+    usual = float(np.median(steps)) if len(steps) else 0.0
+    if usual > SLOWEST_NS or 0.0 < usual < FASTEST_NS:
+        raise table.error(
+            time.name,
+            0,
+            f"rows are {1e-9 * usual:.3g} s apart, which no robot is sampled at; correct the unit "
+            "of the time column",
+        )
     if len(back) > MAX_REPEATED_SHARE * len(stamps):
         if few_digits(stamps):
             raise table.error(
@@ -265,6 +287,13 @@ def _timed(
                 f"{len(back)} of {len(stamps)} times are those of the row before: they were "
                 "written with too few digits; write them to a millisecond or better and export the "
                 "file again",
+            )
+        if 0 < np.sum(np.diff(stamps) < 0) <= MOST_LOGS:
+            raise table.error(
+                time.name,
+                int(back[0]),
+                "time goes back to that of an earlier row, as where several logs are in one file: "
+                "cut it there, and make each a trial of its own",
             )
         raise table.error(time.name, int(back[0]), "time repeats or goes back; sort the rows")
     if len(back):

@@ -12,7 +12,7 @@ from shoecal_core.recording.mapping import MappingHead, open_mapping, read_head
 from shoecal_core.shoe.shoe import FEET
 
 UNITS_NS = {"s": 1_000_000_000, "ms": 1_000_000, "us": 1_000, "ns": 1}
-ALL_JOINTS = "all"
+ALL = "all"
 SENSORS = {
     "base_pose": {"translation": 3, "zyx": 3, "quaternion": 4},
     "wrench": {"force": 3, "torque": 3},
@@ -25,12 +25,13 @@ _TURNS = ("zyx", "quaternion")
 
 
 @dataclass(frozen=True)
-class JointColumns:
-    """One quantity of the joints.
+class NamedColumns:
+    """One quantity of the joints, or the readings of cells.
 
     Attributes:
-        named: column by joint.
-        every: instead, every column with the name of one of the robot's joints.
+        named: column by joint or channel.
+        every: instead, every column with the name of one of the robot's joints, or the shoe's
+            channels.
     """
 
     named: Mapping[str, CsvColumn]
@@ -63,14 +64,14 @@ class TableMapping:
         time: its time column, scaled to nanoseconds; None: the clock table's.
         joints, efforts: angles [rad] and efforts [N m] of the joints.
         sensors: by their names in SENSORS, in that order.
-        cells: column by channel.
+        cells: readings of channels.
     """
 
     time: CsvColumn | None
-    joints: JointColumns
-    efforts: JointColumns
+    joints: NamedColumns
+    efforts: NamedColumns
     sensors: Mapping[str, SensorColumns]
-    cells: Mapping[str, CsvColumn]
+    cells: NamedColumns
 
 
 @dataclass(frozen=True)
@@ -133,8 +134,8 @@ def _table(fields: Fields, name: str, clock: str | None) -> TableMapping:
         raise fields.error("time", f"is not used, as the times of '{clock}' count; take it out")
     return TableMapping(
         time=_time(fields.mapping("time")) if clock in (None, name) else None,
-        joints=_joints(fields, "joints"),
-        efforts=_joints(fields, "efforts"),
+        joints=_named(fields, "joints"),
+        efforts=_named(fields, "efforts"),
         sensors={name: _sensor(fields.mapping(name), name) for name in SENSORS if name in fields},
         cells=_named(fields, "cells"),
     )
@@ -143,12 +144,6 @@ def _table(fields: Fields, name: str, clock: str | None) -> TableMapping:
 def _time(fields: Fields) -> CsvColumn:
     fields.only("column", "unit")
     return CsvColumn(fields.text("column"), UNITS_NS[fields.choice("unit", UNITS_NS)])
-
-
-def _joints(fields: Fields, key: str) -> JointColumns:
-    if key in fields and fields.value(key) == ALL_JOINTS:
-        return JointColumns({}, every=True)
-    return JointColumns(_named(fields, key))
 
 
 def _sensor(fields: Fields, name: str) -> SensorColumns:
@@ -171,13 +166,15 @@ def _sensor(fields: Fields, name: str) -> SensorColumns:
     )
 
 
-def _named(fields: Fields, key: str) -> dict[str, CsvColumn]:
+def _named(fields: Fields, key: str) -> NamedColumns:
     """Columns by what they mean."""
     if key not in fields:
-        return {}
+        return NamedColumns({})
+    if fields.value(key) == ALL:
+        return NamedColumns({}, every=True)
     block = fields.mapping(key)
     names = block.keys()
-    return {name: _column(block, name, block.value(name)) for name in names}
+    return NamedColumns({name: _column(block, name, block.value(name)) for name in names})
 
 
 def _columns(fields: Fields, key: str, count: int) -> tuple[CsvColumn, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import itertools
 import math
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -42,6 +43,12 @@ class Layout:
     lines_after_header: int = 0
 
 
+FEW_SHARE = 0.01
+"""Of the rows, that may be damaged; where more are of another length it is the layout."""
+_SEPARATORS = (";", "\t", ",", "|")
+_DATE = re.compile(r"\d[-/]\d+[-/]\d|\d:\d\d")
+
+
 class CsvTable:
     """Rows of a CSV file below its header.
 
@@ -58,7 +65,7 @@ class CsvTable:
             FileSyntaxError: is no CSV file, has no rows, or rows of unequal length.
         """
         self.path = path
-        self._decimal = layout.decimal
+        self._separator, self._decimal = layout.separator, layout.decimal
         self._lines: list[int] = []
         self._rows: list[list[str]] = []
         try:
@@ -79,14 +86,45 @@ class CsvTable:
             raise FileSyntaxError(path, f"is no CSV file ({error})") from error
         if not self._rows:
             raise FileSyntaxError(path, "has no rows below its header")
-        for line, row in zip(self._lines, self._rows, strict=True):
-            if len(row) != len(self.names):
-                raise FileSyntaxError(
-                    path,
-                    f"{len(row)} values for {len(self.names)} columns in the header; check the "
-                    "separator, or skip what stands above the header ('lines_before_header')",
-                    field=f"line {line}",
-                )
+        self._check_shape()
+
+    def _check_shape(self) -> None:
+        """Refuse a header that names no columns, and rows of other lengths."""
+        if problem := self._header_problem():
+            raise FileSyntaxError(self.path, problem, field="header")
+        ragged = [at for at, row in enumerate(self._rows) if len(row) != len(self.names)]
+        if ragged:
+            line, row = self._lines[ragged[0]], self._rows[ragged[0]]
+            problem = f"{len(row)} values for {len(self.names)} columns in the header"
+            cure = self._why_ragged(line, row, len(ragged))
+            raise FileSyntaxError(self.path, f"{problem}; {cure}", field=f"line {line}")
+
+    def _header_problem(self) -> str:
+        """Why the first line read does not name columns, with the cure; empty where it may."""
+        first = self.names[0] if self.names else ""
+        if first.lower().startswith("sep="):
+            separator = first[4:5] or self._separator
+            return (
+                f"'{first}' is a note of spreadsheets on their separator: add lines_before_header: "
+                f"1 and separator: '{separator}' to the mapping"
+            )
+        if len(self.names) > 1 and all(math.isfinite(self._number(name)) for name in self.names):
+            return "holds numbers, not names of columns: write these above the first line"
+        return ""
+
+    def _why_ragged(self, line: int, row: list[str], count: int) -> str:
+        """The cure of `count` rows that have more or fewer values than there are columns."""
+        if any("\0" in value for value in row):
+            why = "it holds zero bytes, as where power was lost while the file was written"
+            return f"{why}: delete the line"
+        if line == self._lines[-1] and len(row) < len(self.names):
+            return "the file is cut there: delete its last line"
+        others = [mark for mark in _SEPARATORS if len(self.names) == 1 and mark in self.names[0]]
+        if others:
+            return f"add separator: {others[0]!r} to the mapping"
+        if len(self.names) > 1 and count <= FEW_SHARE * len(self._rows):
+            return f"correct or delete the line ({count} of {len(self._rows)} are so)"
+        return "check the separator, or skip what stands above the header ('lines_before_header')"
 
     def __len__(self) -> int:
         return len(self._rows)
@@ -105,10 +143,12 @@ class CsvTable:
             problem = "is there twice" if column.name in self.names else "is missing"
             cure = "correct the mapping or the file"
             if len(self.names) == 1:
-                cure = "give the mapping the file's 'separator'"
+                others = [mark for mark in _SEPARATORS if mark in self.names[0]]
+                cure = f"add separator: {others[0]!r} to the mapping" if others else cure
+            there = ", ".join(self.names).replace("\t", " ")
             raise FieldError(
                 self.path,
-                f"{problem} (there are: {', '.join(self.names)}); {cure}",
+                f"{problem} (there are: {there}); {cure}",
                 field=f"column '{column.name}'",
             )
         index = self.names.index(column.name)
@@ -141,6 +181,13 @@ class CsvTable:
         fault = f"'{text}' is not a number"
         if self._decimal == "." and "," in text:
             return f"{fault}; does the mapping lack decimal: ','?"
+        if text.strip() in self.names:
+            return (
+                f"{fault}, but the header again, as where two logs are in one file: cut it there, "
+                "and make each a trial of its own"
+            )
+        if _DATE.search(text):
+            return f"{fault}, but a date or time of day; write it as seconds since 1970"
         if place == 0 and math.isfinite(self._number(following)):
             return f"{fault}; skip a row of units below the header with 'lines_after_header: 1'"
         return f"{fault}; leave the value empty where there is none, or correct the file"

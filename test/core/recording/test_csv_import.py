@@ -158,7 +158,14 @@ def test_cells_own_times_named_joints_and_commas(folder: Path) -> None:
             "trials[0].support: dx 10, dy -200, dtheta 0.1: dx and dy are metres",
         ),
         ("b/pos.csv", "20;0.2", "nan;0.2", "column 't', line 3: 'nan' is not a number"),
-        ("b/pos.csv", POS, POS.replace(";", ","), "; give the mapping the file's 'separator'"),
+        ("b/pos.csv", POS, POS.replace(";", ","), "; add separator: ',' to the mapping"),
+        ("b/pos.csv", POS, POS.replace(";", "\t"), "; add separator: '\\t' to the mapping"),
+        ("b/pos.csv", POS, "sep=;\n" + POS, "add lines_before_header: 1 and separator: ';'"),
+        ("b/pos.csv", POS, POS.partition("\n")[2], "header: holds numbers, not names of columns"),
+        ("b/pos.csv", POS, POS[:-9], "the file is cut there: delete its last line"),
+        ("b/pos.csv", "\n20;0.2;", "\n20\0\0", "zero bytes"),
+        ("b/pos.csv", "\n20;", f"\n{POS.splitlines()[0]}\n20;", "but the header again"),
+        ("b/pos.csv", "\n20;", "\n2026-11-27 10:00;", "a date or time of day; write it as"),
         ("b/pos.csv", "40.5;", "20;", "column 't', line 4: time repeats or goes back"),
         ("b/pos.csv", "\n0;", "\n-1;", "column 't', line 2: time is negative"),
         ("b/pos.csv", "40.5;", "1e15;", "column 't', line 4: time is negative or after 2038"),
@@ -207,6 +214,51 @@ def test_bad_input_is_one_error_that_names_its_place(
     assert problem in str(caught.value)
     assert "\n" not in str(caught.value)
     assert not (folder.parent / "session").exists()
+
+
+def test_the_time_of_other_units(folder: Path) -> None:
+    mapping = folder / "mapping.yaml"
+    mapping.write_text(MAPPING.replace("unit: ms", "unit: s"))
+    with pytest.raises(FileError, match=r"rows are 20\.2 s apart, .*; correct the unit"):
+        import_all(folder)
+    mapping.write_text(MAPPING.replace("unit: ms", "unit: ns"))
+    with pytest.raises(FileError, match=r"rows are 2\.0.e-08 s apart"):
+        import_all(folder)
+
+
+def test_times_that_count_from_1970_need_no_start(folder: Path) -> None:
+    mapping = folder / "mapping.yaml"
+    mapping.write_text(MAPPING.replace("set: train", "start: 1763740000"))
+    for trial in "ab":
+        pos = folder / trial / "pos.csv"
+        head, *rows = pos.read_text().splitlines()
+        later = [
+            f"17900000000{one.partition(';')[0].zfill(2)};{one.partition(';')[2]}" for one in rows
+        ]
+        pos.write_text("\n".join([head, *later]) + "\n")
+    with pytest.raises(FileError, match="counts from 1970 already: leave the trial's 'start' out"):
+        import_all(folder)
+
+
+def test_two_logs_in_one_file(folder: Path) -> None:
+    rows = [f"{20 * at};{0.001 * at}" for at in range(50)]
+    for trial in "ab":
+        (folder / trial / "pos.csv").write_text("\n".join(["t;LKneePitch", *rows, *rows]) + "\n")
+        (folder / trial / "ft.csv").write_text(
+            "\n".join([FT.splitlines()[0], *100 * ["1;2;-4;4;5;6"]]) + "\n"
+        )
+    lines = MAPPING.splitlines(keepends=True)
+    text = "".join(line for line in lines if "base_pose" not in line)
+    (folder / "mapping.yaml").write_text(text)
+    with pytest.raises(FileError, match="line 52: time goes back to that of an earlier row"):
+        import_all(folder)
+
+
+def test_cells_by_the_names_of_columns(folder: Path) -> None:
+    mapping = MAPPING.replace("joints: all", "joints: all\n    cells: all")
+    (folder / "mapping.yaml").write_text(mapping)
+    with pytest.raises(FileError, match=r"one of the shoe's channels \(left/f.*in 'cells'"):
+        import_all(folder)
 
 
 def test_thousands_separators_are_refused(folder: Path) -> None:
