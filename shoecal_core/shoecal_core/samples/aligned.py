@@ -134,6 +134,8 @@ def _cure(run: Run, names: list[str]) -> str:
             "'optional_joints' of the robot file if it stands still"
         )
     readings = run.readings
+    if absent := list(np.array(readings.names)[~np.isfinite(readings.value).any(axis=0)]):
+        return f"there is no reading of {', '.join(absent)}: record the topic that has them"
     bad = ~np.isfinite(readings.value) | (readings.status != GOOD)
     silent = np.array(readings.names)[bad.mean(axis=0) > 0.5]
     if len(silent):

@@ -157,6 +157,14 @@ def test_joints_of_another_robot(run: Run) -> None:
         found_in(with_joints(run, names=names))
 
 
+def test_channels_that_were_not_recorded(run: Run) -> None:
+    value = run.readings.value.copy()
+    value[:, 1] = np.nan
+    problem = f"there is no reading of {run.readings.names[1]}: record the topic that has them"
+    with pytest.raises(FileError, match=problem):
+        found_in(replace(run, readings=replace(run.readings, value=value)))
+
+
 def test_too_little_that_fits_together(run: Run) -> None:
     value = run.readings.value.copy()
     value[MIN_SAMPLES - 1 :] = np.nan
