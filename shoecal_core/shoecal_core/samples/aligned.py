@@ -18,6 +18,8 @@ from shoecal_core.shoe.shoe import Shoe
 
 MAX_JOINT_GAP_S = 0.1
 """Readings between joint angles further apart than this have no model value."""
+LEAST_HZ = 10.0
+"""Of readings: the slower rate of common converters, with which a run of 10 s has enough."""
 MIN_SAMPLES = 50
 JUMP_RAD, JUMP_SPEEDS = 0.1, 3.0
 """Between two samples a joint jumps that moves by more than both: this, and so many times as fast
@@ -140,6 +142,11 @@ def _cure(run: Run, names: list[str]) -> str:
     silent = np.array(readings.names)[bad.mean(axis=0) > 0.5]
     if len(silent):
         return f"{', '.join(silent)} gave none or bad ones most of the time: check its cable"
+    if readings.rate_hz < LEAST_HZ:
+        return (
+            f"readings come {readings.rate_hz:.1f} times a second: set the board to "
+            f"{LEAST_HZ:g} times or more (HX711: its RATE pin)"
+        )
     return "check that both were recorded, with stamps of one clock"
 
 

@@ -40,8 +40,9 @@ MAX_TIME_OFFSET_S = 0.05
 
 _CURES: Mapping[Fault, tuple[str, str]] = {
     Fault.UNREADABLE: (
-        "has no readings, bad ones, or no joint angles at the same time",
-        "check the device's status and that both have stamps of one clock",
+        "has no readings, bad or repeated ones, or no joint angles at the same time",
+        "check the device's status, that it samples as often as it sends, and that both have "
+        "stamps of one clock",
     ),
     Fault.TOO_FAST: ("moved too fast to be taken as standing still", "plan a slower motion"),
     Fault.DISTURBED: (
