@@ -1,0 +1,133 @@
+"""Errors that a calibration file states: those of the fit that it is of."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from core.estimation.drawn import TOLERANCES, Drawn
+from core.estimation.standing import calibration
+from shoecal_core.arrays import FloatArray
+from shoecal_core.estimation.calibration import Calibration, load_calibration, save_calibration
+from shoecal_core.estimation.expected import ErrorModel, support_covariance
+from shoecal_core.estimation.stated_error import RIGHT, StatedError, turns_to
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.wrench import ChannelParameters
+
+SUPPORT = DoubleSupport(0.02, -0.12, 0.2)
+
+
+@pytest.fixture(scope="module")
+def model(known: Drawn) -> ErrorModel:
+    fit = known.fit
+    samples = fit.signal_model.samples
+    return ErrorModel.of(
+        samples.robot, fit.shoe, samples.shoe, fit.parameters, *fit.measuring,
+        support_covariance(fit, TOLERANCES), TOLERANCES,
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def filed(model: ErrorModel, tmp_path_factory: pytest.TempPathFactory) -> Calibration:
+    """Of that fit, written and read."""
+    file, own = tmp_path_factory.mktemp("filed") / "calibration.yaml", 2 * len(model.shoe.names)
+    whole = replace(
+        calibration(model.filed, model.parameters),
+        covariance=model.stated.covariance[:own, :own],
+        columns=model.shoe.columns,
+        column_covariance=model.stated.covariance[own:],
+        support_covariance=model.support_covariance,
+    )
+    save_calibration(whole, file)
+    return load_calibration(file)
+
+
+def stated_of(model: ErrorModel, calibration: Calibration) -> StatedError:
+    found = StatedError.of_calibration(calibration, model.robot, model.filed, TOLERANCES)
+    assert found is not None
+    return found
+
+
+@pytest.fixture
+def stated(model: ErrorModel, filed: Calibration) -> StatedError:
+    return stated_of(model, filed)
+
+
+def readings_of(model: ErrorModel, outputs: FloatArray) -> FloatArray:
+    law: ChannelParameters = model.parameters
+    found: FloatArray = (outputs - law.offset) / law.gain
+    return found
+
+
+def test_one_sample_of_a_file_says_what_the_report_says(
+    model: ErrorModel, stated: StatedError
+) -> None:
+    both, *feet = model.load_cases()
+    expected = model.both_feet(both, SUPPORT)
+    for index, readings in enumerate(readings_of(model, both)):
+        one = stated.at(readings).both(turns_to(SUPPORT)).output_covariance
+        np.testing.assert_allclose(np.sqrt(np.diag(one)[1:]), expected.cop[index], rtol=1e-9)
+        np.testing.assert_allclose(np.sqrt(one[0, 0]), expected.grf[index], rtol=1e-9)
+    for foot, outputs in enumerate(feet):
+        expected = model.foot(outputs, foot)
+        for index, readings in enumerate(readings_of(model, outputs)):
+            one = stated.at(readings).foot(foot).output_covariance
+            np.testing.assert_allclose(np.sqrt(np.diag(one)[1:]), expected.cop[index], rtol=1e-9)
+            np.testing.assert_allclose(np.sqrt(one[0, 0]), expected.grf[index], rtol=1e-9)
+
+
+def test_what_a_file_leaves_out_counts_as_exact(model: ErrorModel, filed: Calibration) -> None:
+    """Errors of columns, and of joints, as in files of before; without a covariance nothing."""
+    older = stated_of(model, replace(filed, column_covariance=None, support_covariance=None))
+    readings = readings_of(model, model.load_cases()[0])
+    count = len(model.shoe.names)
+    less = replace(
+        model,
+        covariance=model.covariance[: 2 * count, : 2 * count],
+        shoe_columns=np.zeros((0, count, 3)),
+        support_covariance=support_covariance(None, TOLERANCES),
+    )
+    for one, other in zip(
+        (older.at(readings).foot(0), older.at(readings).both(turns_to(SUPPORT))),
+        (less.stated.at(readings).foot(0), less.stated.at(readings).both(turns_to(SUPPORT))),
+        strict=True,
+    ):
+        np.testing.assert_allclose(one.covariance, other.covariance, rtol=1e-9, atol=1e-12)
+    unknown = replace(filed, covariance=None, column_covariance=None)
+    assert StatedError.of_calibration(unknown, model.robot, model.filed, TOLERANCES) is None
+
+
+def test_the_frame_of_the_sum_changes_nothing_but_the_frame(
+    model: ErrorModel, stated: StatedError
+) -> None:
+    exact = replace(stated, support_covariance=np.zeros((3, 3)))
+    sample = exact.at(readings_of(model, model.load_cases()[0]))
+    left = sample.both(turns_to(SUPPORT)).output_covariance
+    right = sample.both(turns_to(SUPPORT, RIGHT), RIGHT).output_covariance
+    np.testing.assert_allclose(left[:, 0, 0], right[:, 0, 0], rtol=1e-9)
+    turn = SUPPORT.rotation
+    np.testing.assert_allclose(left[:, 1:, 1:], turn @ right[:, 1:, 1:] @ turn.T, atol=1e-14)
+
+
+def test_of_a_foot_with_a_lost_reading_nothing_is_stated(
+    model: ErrorModel, stated: StatedError
+) -> None:
+    shoe: Shoe = model.shoe
+    readings = readings_of(model, model.load_cases()[0])
+    lost = readings.copy()
+    lost[:, shoe.of_foot(0)[1]] = np.nan
+    found, whole = stated.at(lost), stated.at(readings)
+    assert np.isnan(found.foot(0).covariance).all(axis=(1, 2)).all()
+    np.testing.assert_array_equal(found.foot(1).covariance, whole.foot(1).covariance)
+    assert np.isnan(found.both(turns_to(SUPPORT)).covariance).all()
+
+
+def test_noise_of_readings_counts_where_it_is_given(model: ErrorModel, stated: StatedError) -> None:
+    readings, own = readings_of(model, model.load_cases()[0]), model.shoe.of_foot(0)
+    noise = np.full(len(model.shoe.names), 1e-3)
+    more = stated.at(readings, noise).foot(0).covariance - stated.at(readings).foot(0).covariance
+    by_noise = (model.parameters.gain * model.shoe.columns[:, 0] * noise)[own]
+    np.testing.assert_allclose(more[:, 0, 0], np.sum(by_noise**2), rtol=1e-6)
