@@ -18,13 +18,15 @@ from shoecal_core.error_sources.body import driven_together
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.estimation.joint_fit import JointFit
 from shoecal_core.estimation.stated_error import (
+    LEFT,
+    RIGHT,
     StatedError,
     StatedWrench,
     placement_covariance,
     turns_to,
 )
 from shoecal_core.planning.landmarks import sensing_hull
-from shoecal_core.planning.supports.polygon_error import places_over
+from shoecal_core.planning.supports.places import places_over
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.load_cases import double_support_outputs, single_support_outputs
@@ -74,6 +76,16 @@ class Spread:
         return float(np.nanmean(self.cop_mean))
 
     @property
+    def grf_rms(self) -> float:
+        """Root mean square of the GRF's [N]."""
+        return float(np.sqrt(np.nanmean(self.grf**2)))
+
+    @property
+    def cop_rms(self) -> float:
+        """Root mean square length of the CoP's error over the load cases with a load [m]."""
+        return float(np.sqrt(np.nanmean(self.cop_length**2)))
+
+    @property
     def cop_length(self) -> FloatArray:
         """(p,) root mean square length of the CoP's error [m]."""
         length: FloatArray = np.linalg.norm(self.cop, axis=1)
@@ -81,8 +93,8 @@ class Spread:
 
     def at_least(self, grf: float, cop: float) -> Spread:
         """Scaled up to these root mean squares [N, m] where it is below."""
-        more_grf = max(1.0, grf / float(np.sqrt(np.nanmean(self.grf**2))))
-        more_cop = max(1.0, cop / float(np.sqrt(np.nanmean(self.cop_length**2))))
+        more_grf = max(1.0, grf / self.grf_rms)
+        more_cop = max(1.0, cop / self.cop_rms)
         return Spread(self.places, more_grf * self.grf, more_cop * self.cop)
 
 
@@ -188,11 +200,11 @@ class ErrorModel:
 
     def both_feet(self, outputs: FloatArray, support: DoubleSupport) -> Spread:
         """Of both feet together in the left sole's frame, for outputs (p, n) [N or N m]."""
-        return _spread(self.stated.at(self._readings(outputs)).both(turns_to(support)))
+        return _of_both(self.stated, outputs, support)
 
     def foot(self, outputs: FloatArray, foot: int) -> Spread:
         """Of one foot in its own sole's frame, for outputs (p, n) of all channels [N or N m]."""
-        return _spread(self.stated.at(self._readings(outputs)).foot(foot))
+        return _of_foot(self.stated, outputs, foot)
 
     def both_jacobian(self, outputs: FloatArray, support: DoubleSupport) -> FloatArray:
         """(p, 3, 2n + d) of GRF and CoP of both feet by gains, offsets and shoe deviations."""
@@ -209,25 +221,12 @@ class ErrorModel:
         return self._jacobian(columns, np.where(own, self.shoe_columns, 0.0), wrenches, outputs)
 
     def load_cases(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Outputs (p, n) of both feet in the neutral double support with the CoP anywhere in the
-        hull of both sensing polygons, and of left and right under half the weight with the CoP
-        anywhere in the foot's own polygon [N or N m].
-        """
-        robot, support = self.robot, self.robot.neutral
-        places = places_over(np.array(sensing_hull(robot, support).exterior.coords))
-        both = double_support_outputs(self.filed, support, robot.weight, places)
-        left, right = (
-            single_support_outputs(
-                self.filed, index, robot.weight / 2.0, places_over(foot.sensing_polygon)
-            )
-            for index, foot in enumerate(robot.feet)
-        )
-        return both, left, right
+        """(p, n) outputs, as `load_cases`."""
+        return load_cases(self.robot, self.filed)
 
     def over_polygons(self) -> tuple[Spread, Spread, Spread]:
         """Of both feet, left and right in their load cases."""
-        both, left, right = self.load_cases()
-        return self.both_feet(both, self.robot.neutral), self.foot(left, 0), self.foot(right, 1)
+        return over_polygons(self.stated, self.robot, self.filed)
 
     def _jacobian(
         self, columns: FloatArray, changes: FloatArray, wrenches: FloatArray, outputs: FloatArray
@@ -235,13 +234,51 @@ class ErrorModel:
         loaded = wrenches[:, :1] > MINIMUM_FORCE
         wrenches = np.where(loaded, wrenches, [1.0, 0.0, 0.0])
         by_wrench = cop_jacobian(wrenches)
-        readings = self._readings(outputs)
+        readings = self.parameters.readings(outputs)
         by_shoe = by_wrench @ np.einsum("pn,dnk->pkd", outputs, changes)
         return np.concatenate((by_parameters(by_wrench @ columns.T, readings), by_shoe), axis=2)
 
-    def _readings(self, outputs: FloatArray) -> FloatArray:
-        readings: FloatArray = (outputs - self.parameters.offset) / self.parameters.gain
-        return readings
+
+def load_cases(robot: Robot, filed: Shoe) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Outputs (p, n) of both feet in the neutral double support with the CoP anywhere in the
+    hull of both sensing polygons, and of left and right under half the weight with the CoP
+    anywhere in the foot's own polygon [N or N m].
+
+    Args:
+        robot: whose weight and polygons count.
+        filed: the shoe as its file has it, by which channels share a load.
+    """
+    support = robot.neutral
+    places = places_over(np.array(sensing_hull(robot, support).exterior.coords))
+    both = double_support_outputs(filed, support, robot.weight, places)
+    left, right = (
+        single_support_outputs(filed, index, robot.weight / 2.0, places_over(foot.sensing_polygon))
+        for index, foot in enumerate(robot.feet)
+    )
+    return both, left, right
+
+
+def over_polygons(stated: StatedError, robot: Robot, filed: Shoe) -> tuple[Spread, Spread, Spread]:
+    """What is stated of both feet, left and right in the load cases of a robot.
+
+    Args:
+        stated: of a calibration.
+        robot, filed: as `load_cases` takes them.
+    """
+    both, left, right = load_cases(robot, filed)
+    return (
+        _of_both(stated, both, robot.neutral),
+        _of_foot(stated, left, LEFT),
+        _of_foot(stated, right, RIGHT),
+    )
+
+
+def _of_both(stated: StatedError, outputs: FloatArray, support: DoubleSupport) -> Spread:
+    return _spread(stated.at(stated.parameters.readings(outputs)).both(turns_to(support)))
+
+
+def _of_foot(stated: StatedError, outputs: FloatArray, foot: int) -> Spread:
+    return _spread(stated.at(stated.parameters.readings(outputs)).foot(foot))
 
 
 def _spread(stated: StatedWrench) -> Spread:

@@ -9,9 +9,8 @@ import pytest
 
 from core.estimation.drawn import TOLERANCES, Drawn
 from core.estimation.standing import calibration
-from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.calibration import Calibration, load_calibration, save_calibration
-from shoecal_core.estimation.expected import ErrorModel, support_covariance
+from shoecal_core.estimation.expected import ErrorModel, over_polygons, support_covariance
 from shoecal_core.estimation.stated_error import RIGHT, StatedError, turns_to
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.shoe.shoe import Shoe
@@ -56,24 +55,18 @@ def stated(model: ErrorModel, filed: Calibration) -> StatedError:
     return stated_of(model, filed)
 
 
-def readings_of(model: ErrorModel, outputs: FloatArray) -> FloatArray:
-    law: ChannelParameters = model.parameters
-    found: FloatArray = (outputs - law.offset) / law.gain
-    return found
-
-
 def test_one_sample_of_a_file_says_what_the_report_says(
     model: ErrorModel, stated: StatedError
 ) -> None:
     both, *feet = model.load_cases()
     expected = model.both_feet(both, SUPPORT)
-    for index, readings in enumerate(readings_of(model, both)):
+    for index, readings in enumerate(model.parameters.readings(both)):
         one = stated.at(readings).both(turns_to(SUPPORT)).output_covariance
         np.testing.assert_allclose(np.sqrt(np.diag(one)[1:]), expected.cop[index], rtol=1e-9)
         np.testing.assert_allclose(np.sqrt(one[0, 0]), expected.grf[index], rtol=1e-9)
     for foot, outputs in enumerate(feet):
         expected = model.foot(outputs, foot)
-        for index, readings in enumerate(readings_of(model, outputs)):
+        for index, readings in enumerate(model.parameters.readings(outputs)):
             one = stated.at(readings).foot(foot).output_covariance
             np.testing.assert_allclose(np.sqrt(np.diag(one)[1:]), expected.cop[index], rtol=1e-9)
             np.testing.assert_allclose(np.sqrt(one[0, 0]), expected.grf[index], rtol=1e-9)
@@ -82,7 +75,7 @@ def test_one_sample_of_a_file_says_what_the_report_says(
 def test_what_a_file_leaves_out_counts_as_exact(model: ErrorModel, filed: Calibration) -> None:
     """Errors of columns, and of joints, as in files of before; without a covariance nothing."""
     older = stated_of(model, replace(filed, column_covariance=None, support_covariance=None))
-    readings = readings_of(model, model.load_cases()[0])
+    readings = model.parameters.readings(model.load_cases()[0])
     count = len(model.shoe.names)
     less = replace(
         model,
@@ -104,7 +97,7 @@ def test_the_frame_of_the_sum_changes_nothing_but_the_frame(
     model: ErrorModel, stated: StatedError
 ) -> None:
     exact = replace(stated, support_covariance=np.zeros((3, 3)))
-    sample = exact.at(readings_of(model, model.load_cases()[0]))
+    sample = exact.at(model.parameters.readings(model.load_cases()[0]))
     left = sample.both(turns_to(SUPPORT)).output_covariance
     right = sample.both(turns_to(SUPPORT, RIGHT), RIGHT).output_covariance
     np.testing.assert_allclose(left[:, 0, 0], right[:, 0, 0], rtol=1e-9)
@@ -116,7 +109,7 @@ def test_of_a_foot_with_a_lost_reading_nothing_is_stated(
     model: ErrorModel, stated: StatedError
 ) -> None:
     shoe: Shoe = model.shoe
-    readings = readings_of(model, model.load_cases()[0])
+    readings = model.parameters.readings(model.load_cases()[0])
     lost = readings.copy()
     lost[:, shoe.of_foot(0)[1]] = np.nan
     found, whole = stated.at(lost), stated.at(readings)
@@ -126,8 +119,31 @@ def test_of_a_foot_with_a_lost_reading_nothing_is_stated(
 
 
 def test_noise_of_readings_counts_where_it_is_given(model: ErrorModel, stated: StatedError) -> None:
-    readings, own = readings_of(model, model.load_cases()[0]), model.shoe.of_foot(0)
+    readings, own = model.parameters.readings(model.load_cases()[0]), model.shoe.of_foot(0)
     noise = np.full(len(model.shoe.names), 1e-3)
     more = stated.at(readings, noise).foot(0).covariance - stated.at(readings).foot(0).covariance
     by_noise = (model.parameters.gain * model.shoe.columns[:, 0] * noise)[own]
     np.testing.assert_allclose(more[:, 0, 0], np.sum(by_noise**2), rtol=1e-6)
+
+
+def together(model: ErrorModel, gain: float, offset_n: float) -> StatedError:
+    """All gains off by the same share, and all offsets by the same force; all else is exact."""
+    count = len(model.filed.names)
+    law = ChannelParameters(model.parameters.gain, np.zeros(count))
+    off = np.concatenate((gain * law.gain, np.full(count, offset_n), np.zeros(3 * count)))
+    return StatedError(
+        model.filed, law, np.outer(off, off), 0.0, (0.0, 0.0), np.zeros((3, 3))
+    )  # fmt: skip
+
+
+def test_an_offset_in_every_cell_shifts_the_force_by_their_number(model: ErrorModel) -> None:
+    """All offsets off together by 0.1 N: 0.8 N in both feet, 0.4 N in each."""
+    got = over_polygons(together(model, 0.0, 0.1), model.robot, model.filed)
+    assert [one.grf_rms for one in got] == pytest.approx([0.8, 0.4, 0.4])
+
+
+def test_one_common_relative_gain_shifts_no_cop(model: ErrorModel) -> None:
+    """Only the parts below the cells, which no gain scales, keep it from being exact."""
+    got = over_polygons(together(model, 0.05, 0.0), model.robot, model.filed)
+    assert got[0].grf_rms == pytest.approx(0.05 * model.robot.weight, rel=0.05)
+    assert max(one.cop_length.max() for one in got) < 2e-4
