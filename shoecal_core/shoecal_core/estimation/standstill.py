@@ -97,15 +97,15 @@ class StandstillResiduals:
         return f"one stand with the {FEET[self.hanging.index(True)]} foot lifted"
 
     def variance(self, readings: FloatArray, covariance: FloatArray | None) -> FloatArray:
-        """(k, k) of the differences by a covariance (2n, 2n) of gains and offsets; 0 for None.
+        """(k, k) of the differences by what a calibration leaves open; 0 for None.
 
         Args:
             readings: (n,) what the gains multiply.
-            covariance: of the calibration.
+            covariance: (2n, 2n) of gains and offsets, or (5n, 5n) of columns, too.
         """
         if covariance is None:
             return np.zeros((len(self.error), len(self.error)))
-        jacobian = self.jacobian(readings)
+        jacobian = self.joint_jacobian(readings)[:, : len(covariance)]
         variance: FloatArray = jacobian @ covariance @ jacobian.T
         return variance
 
