@@ -14,7 +14,7 @@ where the right foot stands, which moves that of both alone.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -22,6 +22,7 @@ import numpy as np
 from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.estimation.calibration import Calibration
+from shoecal_core.estimation.drift import shares_model
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import GRAVITY, Robot
 from shoecal_core.shoe.sensing import MINIMUM_FORCE
@@ -105,6 +106,8 @@ class StatedError:
     ) -> StatedError | None:
         """Of a calibration as it is filed; None where it has no covariance.
 
+        The weight counts where gains were fitted to it; known weights do not ask for the robot's.
+
         Args:
             calibration: of this shoe.
             robot: on it.
@@ -114,7 +117,7 @@ class StatedError:
         covariance, support = calibration.joint_covariance, calibration.support_covariance
         if covariance is None:
             return None
-        return cls.of(
+        found = cls.of(
             robot,
             calibration.calibrated(shoe),
             calibration.parameters,
@@ -122,6 +125,7 @@ class StatedError:
             placement_covariance(tolerances) if support is None else support,
             tolerances.sideways_share * robot.weight,
         )
+        return found if shares_model(calibration) else replace(found, weight_share=0.0)
 
     def at(self, readings: FloatArray, noise: FloatArray | None = None) -> StatedSample:
         """At readings.

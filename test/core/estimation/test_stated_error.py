@@ -13,6 +13,7 @@ from shoecal_core.estimation.calibration import Calibration, load_calibration, s
 from shoecal_core.estimation.expected import ErrorModel, over_polygons, support_covariance
 from shoecal_core.estimation.stated_error import RIGHT, StatedError, turns_to
 from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 
@@ -91,6 +92,20 @@ def test_what_a_file_leaves_out_counts_as_exact(model: ErrorModel, filed: Calibr
         np.testing.assert_allclose(one.covariance, other.covariance, rtol=1e-9, atol=1e-12)
     unknown = replace(filed, covariance=None, column_covariance=None)
     assert StatedError.of_calibration(unknown, model.robot, model.filed, TOLERANCES) is None
+
+
+def test_known_weights_do_not_rest_on_the_robots(model: ErrorModel, filed: Calibration) -> None:
+    by_hand = stated_of(model, replace(filed, source="manual", fitted_runs=()))
+    (readings, *_) = model.parameters.readings(model.load_cases()[0])
+    weight = model.robot.mass_std * GRAVITY
+    force = model.parameters.outputs(readings) @ model.shoe.columns[:, 0]
+    force += sum(plates.mass_below for plates in model.shoe.plates) * GRAVITY
+    variances = [
+        one.at(readings).both(turns_to(SUPPORT)).covariance[0, 0]
+        for one in (stated_of(model, filed), by_hand)
+    ]
+    expected = (weight * force / model.robot.weight) ** 2
+    assert variances[0] - variances[1] == pytest.approx(expected)
 
 
 def test_the_frame_of_the_sum_changes_nothing_but_the_frame(
