@@ -6,7 +6,9 @@ uncertain each offset is under the gains as they are, that takes the differences
 d' S^-1 d subject to H d = -e, so d = -K e with K = S H' (H S H')^-1. After it, gains and offsets
 have the covariance (1 - K J) P (1 - K J)' + K R K', with J the differences' derivatives by gains,
 offsets and columns, P the covariance before with the drift added, and R that of weight and model:
-what was corrected is known as well as they are, whatever it shares with them.
+what was corrected is known as well as they are, whatever it shares with them. The error of a weight
+that the gains were fitted to is no part of R: it is no error of single channels, and is stated by
+itself (`stated_error`).
 """
 
 from __future__ import annotations
@@ -37,6 +39,8 @@ DRIFT_STD = 0.1
 DRIFT_TIME_S = 3600.0
 LEAST_DRIFT = 0.01
 """Share of that variance which is there at once."""
+EQUAL_N = 0.05
+"""How far the GRF of a robot at rest is off the weight once corrected to it [N]."""
 ITERATIONS = 5
 """The CoP depends on the offsets a little otherwise than to first order."""
 
@@ -131,7 +135,13 @@ def rezero(
     change = fresh.parameters.offset - calibration.parameters.offset
     _require_drift(shoe, change, largest)
     if calibration.covariance is not None:
-        fresh = _with_covariance(fresh, _updated(prior, spread, found, chosen, readings))
+        known = found.tolerance.copy()
+        if found.loaded and shares_model(calibration):
+            # The weight's error is in all gains alike, and stated by itself.
+            known[0] = EQUAL_N
+        fresh = _with_covariance(
+            fresh, _updated(prior, spread, found, chosen, readings, known[chosen])
+        )
     return Rezeroed(
         calibration=_signed(calibration, fresh, made_ns, temperature),
         change=change,
@@ -195,13 +205,14 @@ def _updated(
     found: StandstillResiduals,
     chosen: BoolArray,
     readings: FloatArray,
+    known: FloatArray,
 ) -> FloatArray:
     """(5n, 5n) covariance of gains, offsets and columns after the change."""
     gain = _gain(spread, found.slopes[chosen])
     whole = np.zeros((len(prior), gain.shape[1]))
     whole[len(gain) : 2 * len(gain)] = gain
     kept = np.eye(len(prior)) - whole @ found.joint_jacobian(readings)[chosen]
-    added = whole * found.tolerance[chosen]
+    added = whole * known
     return np.asarray(kept @ prior @ kept.T + added @ added.T)
 
 
