@@ -58,6 +58,8 @@ CALIBRATIONS: tuple[tuple[str, tuple[Any, ...], int], ...] = (
     ("gain", tuple([1.0] * count for count in (0, COUNT - 1, COUNT + 1, 100_000)), BAD),
     ("offset", tuple([1.0] * count for count in (0, COUNT - 1, COUNT + 1, 100_000)), BAD),
     ("covariance", tuple([1.0] * count for count in range(1, COUNT + 1)), BAD),
+    ("column_covariance", tuple([1.0] * count for count in range(1, COUNT + 1)), BAD),
+    ("support_covariance", tuple([1.0] * count for count in range(1, COUNT + 1)), BAD),
     ("weight", (*NUMBERS, 0.0, -50.0), BAD),
     ("time_offset", NUMBERS, BAD),
     ("temperature", NUMBERS[1:], BAD),

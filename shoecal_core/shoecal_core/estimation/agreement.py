@@ -153,7 +153,7 @@ def judge(
     )
     if not np.isfinite(found.cop):
         return Agreement(grf)  # channels that give a force alone
-    own = np.diag(found.variance(mean, calibration.covariance))[:3]
+    own = np.diag(found.variance(mean, calibration.joint_covariance))[:3]
     variance = expected_variance(own, found.tolerance[:3], shared=shares_model(calibration))
     known = longest(found.tolerance[1:3] ** 2, false_alarm)
     bound = max(MOST_WIDTHS * min(foot.half_width for foot in robot.feet), known)

@@ -75,7 +75,7 @@ class Assessment:
     @property
     def promised(self) -> Misfit:
         """Root mean square error of both feet together that is expected."""
-        return Misfit(_rms(self.both.grf), _rms(self.both.cop_length))
+        return Misfit(self.both.grf_rms, self.both.cop_rms)
 
     def not_below(self, left: Misfit) -> Assessment:
         """With nothing expected to be better than what the fit leaves on its own runs.
@@ -116,9 +116,9 @@ class Assessment:
         expected = {}
         for name, spread in zip(("both", *FEET), (self.both, *self.feet), strict=True):
             expected[name] = {
-                "grf_std_n": _rms(spread.grf),
+                "grf_std_n": spread.grf_rms,
                 "cop_mae_mm": 1e3 * spread.cop_mae,
-                "cop_std_mm": 1e3 * _rms(spread.cop_length),
+                "cop_std_mm": 1e3 * spread.cop_rms,
                 "cop_worst_mm": 1e3 * float(np.nanmax(spread.cop_mean)),
             }
         found, add = self.identifiability, self.support_to_add
@@ -210,7 +210,3 @@ def _seen_std(
     projected = kept @ covariance[:-1, :-1] @ kept.T
     std: FloatArray = np.sqrt(np.clip(np.diag(projected), 0.0, None))
     return std
-
-
-def _rms(values: FloatArray) -> float:
-    return float(np.sqrt(np.nanmean(values**2)))

@@ -17,8 +17,9 @@ from shoecal_core.shoe.sensing import Sensing
 from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 
-FORMAT = 2
-"""1: without columns; still written where there are none, so that older versions read it."""
+FORMAT = 3
+"""1: without columns, 2: without their errors and those of supports; the oldest that holds all is
+written, so that older versions read it."""
 
 EPOCH_NS = 946_684_800 * 10**9
 """Start of the year 2000 [ns]: earlier stamps are of a simulated clock and name no day."""
@@ -54,6 +55,10 @@ class Calibration:
         fitted_runs: SHA-256 of the run files it was fitted to; empty where they are not known.
         columns: (n, 3) what one unit of each output adds to its foot's wrench, where that was
             calibrated, too (places of cells, crosstalk, plates); None: as the shoe's file says.
+        column_covariance: (3n, 5n) of the columns' errors, channel by channel, with those of gains,
+            offsets and columns; None: the columns count as exact.
+        support_covariance: (3, 3) mean square errors of the right foot's dx, dy, dtheta as the
+            joints tell them [m, m, rad]; None: as the tolerances say.
     """
 
     id: str
@@ -74,6 +79,8 @@ class Calibration:
     reasons: tuple[str, ...]
     fitted_runs: tuple[str, ...] = ()
     columns: FloatArray | None = None
+    column_covariance: FloatArray | None = None
+    support_covariance: FloatArray | None = None
 
     def __post_init__(self) -> None:
         self._check_channels()
@@ -99,11 +106,22 @@ class Calibration:
                 raise ShapeError("columns", f"({count}, 3)", self.columns.shape)
             if not np.isfinite(self.columns).all():
                 raise ShoecalError("the columns hold a number that is not finite")
-        if self.covariance is not None:
-            if self.covariance.shape != (2 * count, 2 * count):
-                raise ShapeError("covariance", f"({2 * count}, {2 * count})", self.covariance.shape)
-            if not np.isfinite(self.covariance).all():
-                raise ShoecalError("the covariance holds a number that is not finite")
+        self._check_covariances(count)
+
+    def _check_covariances(self, count: int) -> None:
+        for name, matrix, shape in (
+            ("covariance", self.covariance, (2 * count, 2 * count)),
+            ("column covariance", self.column_covariance, (3 * count, 5 * count)),
+            ("support covariance", self.support_covariance, (3, 3)),
+        ):
+            if matrix is None:
+                continue
+            if matrix.shape != shape:
+                raise ShapeError(name, str(shape), matrix.shape)
+            if not np.isfinite(matrix).all():
+                raise ShoecalError(f"the {name} holds a number that is not finite")
+        if self.covariance is None and self.column_covariance is not None:
+            raise ShoecalError("errors of columns need the covariance of gains and offsets")
 
     @property
     def moment(self) -> datetime | None:
@@ -127,6 +145,19 @@ class Calibration:
             return None
         std: FloatArray = np.sqrt(np.diag(self.covariance)[len(self.channels) :])
         return std
+
+    @property
+    def joint_covariance(self) -> FloatArray | None:
+        """(5n, 5n) of the errors of gains, offsets and columns; None where it is not known."""
+        if self.covariance is None:
+            return None
+        own, count = len(self.covariance), len(self.channels)
+        whole = np.zeros((5 * count, 5 * count))
+        whole[:own, :own] = self.covariance
+        if self.column_covariance is not None:
+            whole[own:] = self.column_covariance
+            whole[:own, own:] = self.column_covariance[:, :own].T
+        return whole
 
     def calibrated(self, shoe: Shoe) -> Shoe:
         """The shoe with the columns that were calibrated.
@@ -156,7 +187,7 @@ def save_calibration(calibration: Calibration, path: Path) -> None:
     write_yaml(
         path,
         {
-            "format": 1 if calibration.columns is None else FORMAT,
+            "format": _format(calibration),
             "id": calibration.id,
             "source": calibration.source,
             "made_ns": calibration.made_ns,
@@ -191,10 +222,24 @@ def save_calibration(calibration: Calibration, path: Path) -> None:
             "covariance": (
                 None if calibration.covariance is None else calibration.covariance.tolist()
             ),
+            **{
+                name: matrix.tolist()
+                for name, matrix in (
+                    ("column_covariance", calibration.column_covariance),
+                    ("support_covariance", calibration.support_covariance),
+                )
+                if matrix is not None
+            },
             # Last, and neither a list nor optional: a file without its end is not taken for whole.
             "verdict": calibration.verdict,
         },
     )
+
+
+def _format(calibration: Calibration) -> int:
+    if calibration.column_covariance is not None or calibration.support_covariance is not None:
+        return FORMAT
+    return 1 if calibration.columns is None else 2
 
 
 def load_calibration(path: Path) -> Calibration:
@@ -210,7 +255,8 @@ def load_calibration(path: Path) -> Calibration:
     fields.only(
         "format", "id", "source", "made_ns", "robot", "shoe", "robot_hash", "shoe_hash",
         "weight_n", "time_offset_s", "temperature_degc", "reasons", "fitted_runs",
-        "channels", "columns", "corrections", "covariance", "verdict",
+        "channels", "columns", "corrections", "covariance", "column_covariance",
+        "support_covariance", "verdict",
     )  # fmt: skip
     channels = fields.items("channels")
     for channel in channels:
@@ -245,6 +291,16 @@ def load_calibration(path: Path) -> Calibration:
             reasons=tuple(fields.texts("reasons")),
             fitted_runs=tuple(fields.texts("fitted_runs") if "fitted_runs" in fields else ()),
             columns=fields.array("columns", (count, 3)) if "columns" in fields else None,
+            column_covariance=(
+                fields.array("column_covariance", (3 * count, 5 * count))
+                if "column_covariance" in fields
+                else None
+            ),
+            support_covariance=(
+                fields.array("support_covariance", (3, 3))
+                if "support_covariance" in fields
+                else None
+            ),
         )
     except FileError:
         raise

@@ -139,7 +139,7 @@ def drift_of(
     false_alarm: float = FALSE_ALARM,
 ) -> Drift:
     """Drift by the comparison of a loaded robot, for raw readings (n,); see `check_drift`."""
-    own = np.diag(found.variance(readings, calibration.covariance))
+    own = np.diag(found.variance(readings, calibration.joint_covariance))
     variance = expected_variance(own[:3], found.tolerance[:3], shared=shares_model(calibration))
     foot = found.hanging.index(True) if any(found.hanging) else None
     return Drift(

@@ -1,16 +1,14 @@
-"""How far calibrated GRF and CoP may be off the truth, load by load.
+"""How far calibrated GRF and CoP of a fit may be off the truth, load by load.
 
-The error is linear in what was estimated: J (estimate - truth), with J the derivatives of measured
-GRF and CoP by gains, offsets and the deviations of the shoe, and the posterior covariance of all of
-them. Three terms are not estimated: the weight that the GRF rests on, where the right foot stands
-when the CoP of both feet is formed, and sideways forces, which act at the cells' height and move
-the CoP of each foot but not that of both.
+Stated errors are those of `stated_error`, for the posterior covariance of gains, offsets and the
+deviations of the shoe; the derivatives by all of these say where they come from.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.special import ellipe
@@ -19,10 +17,18 @@ from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.body import driven_together
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.estimation.joint_fit import JointFit
+from shoecal_core.estimation.stated_error import (
+    LEFT,
+    RIGHT,
+    StatedError,
+    StatedWrench,
+    placement_covariance,
+    turns_to,
+)
 from shoecal_core.planning.landmarks import sensing_hull
-from shoecal_core.planning.supports.polygon_error import places_over
+from shoecal_core.planning.supports.places import places_over
 from shoecal_core.robot.double_support import DoubleSupport
-from shoecal_core.robot.robot import GRAVITY, Robot
+from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.load_cases import double_support_outputs, single_support_outputs
 from shoecal_core.shoe.sensing import MINIMUM_FORCE
 from shoecal_core.shoe.shoe import Shoe
@@ -31,6 +37,7 @@ from shoecal_core.shoe.wrench import (
     by_parameters,
     columns_in_left,
     combined,
+    cop,
     cop_jacobian,
     foot_wrenches,
     to_left,
@@ -69,6 +76,16 @@ class Spread:
         return float(np.nanmean(self.cop_mean))
 
     @property
+    def grf_rms(self) -> float:
+        """Root mean square of the GRF's [N]."""
+        return float(np.sqrt(np.nanmean(self.grf**2)))
+
+    @property
+    def cop_rms(self) -> float:
+        """Root mean square length of the CoP's error over the load cases with a load [m]."""
+        return float(np.sqrt(np.nanmean(self.cop_length**2)))
+
+    @property
     def cop_length(self) -> FloatArray:
         """(p,) root mean square length of the CoP's error [m]."""
         length: FloatArray = np.linalg.norm(self.cop, axis=1)
@@ -76,8 +93,8 @@ class Spread:
 
     def at_least(self, grf: float, cop: float) -> Spread:
         """Scaled up to these root mean squares [N, m] where it is below."""
-        more_grf = max(1.0, grf / float(np.sqrt(np.nanmean(self.grf**2))))
-        more_cop = max(1.0, cop / float(np.sqrt(np.nanmean(self.cop_length**2))))
+        more_grf = max(1.0, grf / self.grf_rms)
+        more_cop = max(1.0, cop / self.cop_rms)
         return Spread(self.places, more_grf * self.grf, more_cop * self.cop)
 
 
@@ -91,8 +108,7 @@ def support_covariance(joint: JointFit | None, tolerances: Tolerances) -> FloatA
     What each run has by itself, and the joints' zeros: a support is formed from joints as they
     read, so what was found of their zeros moves it as much as what is still uncertain of them.
     """
-    stds = np.array([tolerances.support_m, tolerances.support_m, tolerances.support_rad])
-    own: FloatArray = np.diag(stds**2)
+    own = placement_covariance(tolerances)
     if joint is None:
         return own
     signal_model = joint.signal_model
@@ -165,23 +181,30 @@ class ErrorModel:
             tolerances.sideways_share * robot.weight,
         )
 
+    @cached_property
+    def stated(self) -> StatedError:
+        """The same without the names of the deviations, as a calibration file holds it."""
+        own = 2 * len(self.shoe.names)
+        turn = np.zeros((own + self.shoe.columns.size, len(self.covariance)))
+        turn[:own, :own] = np.eye(own)
+        turn[own:, own:] = self.shoe_columns.reshape(-1, self.shoe.columns.size).T
+        covariance = turn @ self.covariance @ turn.T
+        return StatedError.of(
+            self.robot,
+            self.shoe,
+            self.parameters,
+            covariance,
+            self.support_covariance,
+            self.sideways,
+        )
+
     def both_feet(self, outputs: FloatArray, support: DoubleSupport) -> Spread:
         """Of both feet together in the left sole's frame, for outputs (p, n) [N or N m]."""
-        feet = foot_wrenches(self.shoe, outputs)
-        wrenches = combined(feet, support)
-        jacobian = self.both_jacobian(outputs, support)
-        moved = _by_support(feet[:, 1], wrenches, support)
-        extra = np.zeros((len(outputs), 3))
-        extra[:, 1:] = np.einsum("pik,kl,pil->pi", moved, self.support_covariance, moved)
-        return self._spread(jacobian, wrenches, extra)
+        return _of_both(self.stated, outputs, support)
 
     def foot(self, outputs: FloatArray, foot: int) -> Spread:
         """Of one foot in its own sole's frame, for outputs (p, n) of all channels [N or N m]."""
-        wrenches = foot_wrenches(self.shoe, outputs)[:, foot]
-        extra = np.zeros((len(outputs), 3))
-        moment = sideways_moment(self.shoe, foot, self.sideways)
-        extra[:, 1:] = (moment / np.maximum(wrenches[:, :1], MINIMUM_FORCE)) ** 2
-        return self._spread(self.foot_jacobian(outputs, foot), wrenches, extra)
+        return _of_foot(self.stated, outputs, foot)
 
     def both_jacobian(self, outputs: FloatArray, support: DoubleSupport) -> FloatArray:
         """(p, 3, 2n + d) of GRF and CoP of both feet by gains, offsets and shoe deviations."""
@@ -198,25 +221,12 @@ class ErrorModel:
         return self._jacobian(columns, np.where(own, self.shoe_columns, 0.0), wrenches, outputs)
 
     def load_cases(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Outputs (p, n) of both feet in the neutral double support with the CoP anywhere in the
-        hull of both sensing polygons, and of left and right under half the weight with the CoP
-        anywhere in the foot's own polygon [N or N m].
-        """
-        robot, support = self.robot, self.robot.neutral
-        places = places_over(np.array(sensing_hull(robot, support).exterior.coords))
-        both = double_support_outputs(self.filed, support, robot.weight, places)
-        left, right = (
-            single_support_outputs(
-                self.filed, index, robot.weight / 2.0, places_over(foot.sensing_polygon)
-            )
-            for index, foot in enumerate(robot.feet)
-        )
-        return both, left, right
+        """(p, n) outputs, as `load_cases`."""
+        return load_cases(self.robot, self.filed)
 
     def over_polygons(self) -> tuple[Spread, Spread, Spread]:
         """Of both feet, left and right in their load cases."""
-        both, left, right = self.load_cases()
-        return self.both_feet(both, self.robot.neutral), self.foot(left, 0), self.foot(right, 1)
+        return over_polygons(self.stated, self.robot, self.filed)
 
     def _jacobian(
         self, columns: FloatArray, changes: FloatArray, wrenches: FloatArray, outputs: FloatArray
@@ -224,49 +234,55 @@ class ErrorModel:
         loaded = wrenches[:, :1] > MINIMUM_FORCE
         wrenches = np.where(loaded, wrenches, [1.0, 0.0, 0.0])
         by_wrench = cop_jacobian(wrenches)
-        readings = (outputs - self.parameters.offset) / self.parameters.gain
+        readings = self.parameters.readings(outputs)
         by_shoe = by_wrench @ np.einsum("pn,dnk->pkd", outputs, changes)
         return np.concatenate((by_parameters(by_wrench @ columns.T, readings), by_shoe), axis=2)
 
-    def _spread(self, jacobian: FloatArray, wrenches: FloatArray, extra: FloatArray) -> Spread:
-        """With extra variances (p, 3) of GRF and CoP."""
-        loaded = wrenches[:, 0] > MINIMUM_FORCE
-        variances = ((jacobian @ self.covariance) * jacobian).sum(axis=2) + extra
-        # A wrong weight scales all gains alike.
-        relative = self.robot.mass_std * GRAVITY / self.robot.weight
-        variances[:, 0] += (relative * wrenches[:, 0]) ** 2
-        std = np.sqrt(np.clip(variances, 0.0, None))
-        force = np.where(loaded, wrenches[:, 0], 1.0)[:, None]
-        places = np.stack((-wrenches[:, 2], wrenches[:, 1]), axis=1) / force
-        return Spread(
-            np.where(loaded[:, None], places, np.nan),
-            std[:, 0],
-            np.where(loaded[:, None], std[:, 1:], np.nan),
-        )
 
-
-def sideways_moment(shoe: Shoe, foot: int, sideways: float) -> float:
-    """Standard deviation of the moment about x and y that a foot's cells do not feel [N m].
+def load_cases(robot: Robot, filed: Shoe) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Outputs (p, n) of both feet in the neutral double support with the CoP anywhere in the
+    hull of both sensing polygons, and of left and right under half the weight with the CoP
+    anywhere in the foot's own polygon [N or N m].
 
     Args:
-        shoe: with its channels.
-        foot: LEFT 0 or RIGHT 1; sensors that measure torques feel it: 0.
-        sideways: standard deviation of the sideways force on a foot, each axis [N].
+        robot: whose weight and polygons count.
+        filed: the shoe as its file has it, by which channels share a load.
     """
-    felt = bool(shoe.torque[shoe.of_foot(foot)].any())
-    return 0.0 if felt else 0.5 * shoe.height * sideways
+    support = robot.neutral
+    places = places_over(np.array(sensing_hull(robot, support).exterior.coords))
+    both = double_support_outputs(filed, support, robot.weight, places)
+    left, right = (
+        single_support_outputs(filed, index, robot.weight / 2.0, places_over(foot.sensing_polygon))
+        for index, foot in enumerate(robot.feet)
+    )
+    return both, left, right
 
 
-def _by_support(right: FloatArray, both: FloatArray, support: DoubleSupport) -> FloatArray:
-    """(p, 2, 3) of the CoP of both feet by the right foot's dx, dy, dtheta.
+def over_polygons(stated: StatedError, robot: Robot, filed: Shoe) -> tuple[Spread, Spread, Spread]:
+    """What is stated of both feet, left and right in the load cases of a robot.
 
     Args:
-        right: (p, 3) wrench of the right foot in its own sole frame.
-        both: (p, 3) of both feet in the left sole's.
+        stated: of a calibration.
+        robot, filed: as `load_cases` takes them.
     """
-    whole = np.maximum(both[:, :1], MINIMUM_FORCE)
-    moved = np.zeros((len(right), 2, 3))
-    moved[:, 0, 0] = moved[:, 1, 1] = right[:, 0] / whole[:, 0]
-    turned = np.stack((-right[:, 2], right[:, 1]), axis=1) / whole @ support.rotation.T
-    moved[:, :, 2] = np.stack((-turned[:, 1], turned[:, 0]), axis=1)
-    return moved
+    both, left, right = load_cases(robot, filed)
+    return (
+        _of_both(stated, both, robot.neutral),
+        _of_foot(stated, left, LEFT),
+        _of_foot(stated, right, RIGHT),
+    )
+
+
+def _of_both(stated: StatedError, outputs: FloatArray, support: DoubleSupport) -> Spread:
+    return _spread(stated.at(stated.parameters.readings(outputs)).both(turns_to(support)))
+
+
+def _of_foot(stated: StatedError, outputs: FloatArray, foot: int) -> Spread:
+    return _spread(stated.at(stated.parameters.readings(outputs)).foot(foot))
+
+
+def _spread(stated: StatedWrench) -> Spread:
+    variances = np.diagonal(stated.output_covariance, axis1=-2, axis2=-1)
+    std = np.sqrt(np.clip(variances, 0.0, None))
+    force = np.sqrt(np.clip(stated.covariance[:, 0, 0], 0.0, None))
+    return Spread(cop(stated.wrench, MINIMUM_FORCE), force, std[:, 1:])

@@ -134,17 +134,19 @@ def _check_gains(calibration: Calibration, shoe: Shoe) -> None:
 
 
 def _check_covariance(calibration: Calibration) -> None:
-    covariance = calibration.covariance
-    if covariance is None:
-        return
-    scale = float(np.abs(covariance).max())
-    if scale > LARGEST_TERM**2:
-        raise _refused(calibration, f"has uncertainties above {LARGEST_TERM:g}")
-    rounding = _ROUNDING * scale
-    if np.abs(covariance - covariance.T).max() > rounding or (
-        np.linalg.eigvalsh(covariance).min() < -rounding
-    ):
-        raise _refused(calibration, "has a covariance that is none: symmetric, nothing negative")
+    for covariance in (calibration.joint_covariance, calibration.support_covariance):
+        if covariance is None:
+            continue
+        scale = float(np.abs(covariance).max())
+        if scale > LARGEST_TERM**2:
+            raise _refused(calibration, f"has uncertainties above {LARGEST_TERM:g}")
+        rounding = _ROUNDING * scale
+        if np.abs(covariance - covariance.T).max() > rounding or (
+            np.linalg.eigvalsh(covariance).min() < -rounding
+        ):
+            raise _refused(
+                calibration, "has a covariance that is none: symmetric, nothing negative"
+            )
 
 
 def _check_stated(calibration: Calibration, shoe: Shoe, weight: float) -> None:

@@ -24,6 +24,7 @@ from shoecal_core.shoe.wrench import (
     combined,
     cop_jacobian,
     foot_wrenches,
+    to_left,
 )
 
 LIFTED_M, LIFTED_SHARE = 0.005, 0.25
@@ -61,12 +62,14 @@ class StandstillResiduals:
         hanging: which feet hang, left and right.
         error: (k,) measured less modelled [N, m, N m].
         slopes: (k, n) of the differences to the channels' outputs.
+        column_slopes: (k, 3n) of them to the channels' columns, channel by channel.
         tolerance: (k,) standard deviations of what they are compared with.
     """
 
     hanging: tuple[bool, bool]
     error: FloatArray
     slopes: FloatArray
+    column_slopes: FloatArray
     tolerance: FloatArray
 
     @property
@@ -94,21 +97,25 @@ class StandstillResiduals:
         return f"one stand with the {FEET[self.hanging.index(True)]} foot lifted"
 
     def variance(self, readings: FloatArray, covariance: FloatArray | None) -> FloatArray:
-        """(k, k) of the differences by a covariance (2n, 2n) of gains and offsets; 0 for None.
+        """(k, k) of the differences by what a calibration leaves open; 0 for None.
 
         Args:
             readings: (n,) what the gains multiply.
-            covariance: of the calibration.
+            covariance: (2n, 2n) of gains and offsets, or (5n, 5n) of columns, too.
         """
         if covariance is None:
             return np.zeros((len(self.error), len(self.error)))
-        jacobian = self.jacobian(readings)
+        jacobian = self.joint_jacobian(readings)[:, : len(covariance)]
         variance: FloatArray = jacobian @ covariance @ jacobian.T
         return variance
 
     def jacobian(self, readings: FloatArray) -> FloatArray:
         """(k, 2n) of the differences to gains and offsets."""
         return by_parameters(self.slopes, readings)
+
+    def joint_jacobian(self, readings: FloatArray) -> FloatArray:
+        """(k, 5n) of the differences to gains, offsets and columns."""
+        return np.hstack((self.jacobian(readings), self.column_slopes))
 
 
 def hanging_feet(
@@ -161,8 +168,8 @@ def compare(
         standing = _standing(calibration, shoe, outputs, sensing.measure(readings), body, hanging)
         known = np.array([tolerance.force, tolerance.cop, tolerance.cop])
         parts.insert(0, (*standing, known))
-    error, slopes, stds = (np.concatenate([part[item] for part in parts]) for item in range(3))
-    return StandstillResiduals(hanging, error, slopes, stds)
+    joined = [np.concatenate([part[item] for part in parts]) for item in range(4)]
+    return StandstillResiduals(hanging, *joined)
 
 
 def _standing(
@@ -172,25 +179,43 @@ def _standing(
     measured: Measured,
     body: BodyStates,
     hanging: tuple[bool, bool],
-) -> tuple[FloatArray, FloatArray]:
-    """Errors (3,) and slopes (3, n) of GRF and CoP of the feet that stand."""
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Errors (3,), slopes (3, n) and column slopes (3, 3n) of GRF and CoP of feet that stand."""
     wrenches = foot_wrenches(shoe, outputs)
+    turns = np.broadcast_to(np.eye(3), (len(outputs), 3, 3))
     if any(hanging):
         foot = hanging.index(False)
         columns, wrench = _of_foot(shoe, foot), wrenches[foot]
+        turns = np.where((shoe.foot == foot)[:, None, None], turns, 0.0)
         force, place = measured.grf[foot], measured.cop[foot]
     else:
         foot, support = 0, body.support()
         columns, wrench = columns_in_left(shoe, support), combined(wrenches, support)
+        turns = np.where((shoe.foot == 1)[:, None, None], to_left(support), turns)
         force, place = measured.total_grf, measured.combined_cop(support)
     error = np.concatenate(([force - calibration.weight], place - body.cop[0, foot]))
-    return error, cop_jacobian(wrench) @ columns.T
+    slopes = cop_jacobian(wrench)
+    return error, slopes @ columns.T, _by_columns(slopes, turns, outputs)
 
 
 def _hanging_foot(
     shoe: Shoe, foot: int, outputs: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    return foot_wrenches(shoe, outputs)[foot], _of_foot(shoe, foot).T, HANGING_STD
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    own = np.where((shoe.foot == foot)[:, None, None], np.eye(3), 0.0)
+    return (
+        foot_wrenches(shoe, outputs)[foot],
+        _of_foot(shoe, foot).T,
+        _by_columns(np.eye(3), own, outputs),
+        HANGING_STD,
+    )
+
+
+def _by_columns(slopes: FloatArray, turns: FloatArray, outputs: FloatArray) -> FloatArray:
+    """(k, 3n) slopes to columns, of slopes (k, 3) to a wrench that each channel's (n, 3, 3) turns
+    take it into.
+    """
+    found: FloatArray = np.einsum("kw,nwc,n->knc", slopes, turns, outputs)
+    return found.reshape(len(slopes), -1)
 
 
 def _of_foot(shoe: Shoe, foot: int) -> FloatArray:

@@ -42,6 +42,11 @@ class ChannelParameters:
             raise ShapeError("readings", f"(..., {len(self.gain)})", readings.shape)
         return self.gain * readings + self.offset
 
+    def readings(self, outputs: FloatArray) -> FloatArray:
+        """Readings (..., n) of outputs (..., n) [N or N m]."""
+        found: FloatArray = (outputs - self.offset) / self.gain
+        return found
+
 
 def weight_below(shoe: Shoe) -> FloatArray:
     """(2, 3) wrench of each foot's parts below the channels, in its sole frame [N, N m].

@@ -394,7 +394,7 @@ def _calibration(
     verdict: Verdict,
     made_ns: int,
 ) -> Calibration:
-    count = len(data.shoe.names)
+    count, errors = len(data.shoe.names), assessment.error_model
     stamp = made_ns or data.end_ns
     digest = hashlib.sha256(stages.fit.vector.tobytes() + str(stamp).encode()).hexdigest()
     return Calibration(
@@ -415,4 +415,8 @@ def _calibration(
         verdict=verdict.verdict,
         reasons=verdict.reasons,
         columns=data.shoe.columns,
+        column_covariance=(
+            errors.stated.covariance[2 * count :] if len(errors.shoe_columns) else None
+        ),
+        support_covariance=errors.support_covariance,
     )

@@ -4,9 +4,11 @@ A standstill gives k differences e between measured and modelled values (`stands
 the n offsets has more directions. The change d of the offsets is the smallest one, weighed by how
 uncertain each offset is under the gains as they are, that takes the differences away: minimise
 d' S^-1 d subject to H d = -e, so d = -K e with K = S H' (H S H')^-1. After it, gains and offsets
-have the covariance (1 - K J) P (1 - K J)' + K R K', with J the differences' derivatives by gains
-and offsets, P the covariance before with the drift added, and R that of weight and model: what
-was corrected is known as well as they are, whatever it shares with them.
+have the covariance (1 - K J) P (1 - K J)' + K R K', with J the differences' derivatives by gains,
+offsets and columns, P the covariance before with the drift added, and R that of weight and model:
+what was corrected is known as well as they are, whatever it shares with them. The error of a weight
+that the gains were fitted to is no part of R: it is no error of single channels, and is stated by
+itself (`stated_error`).
 """
 
 from __future__ import annotations
@@ -37,6 +39,8 @@ DRIFT_STD = 0.1
 DRIFT_TIME_S = 3600.0
 LEAST_DRIFT = 0.01
 """Share of that variance which is there at once."""
+EQUAL_N = 0.05
+"""How far the GRF of a robot at rest is off the weight once corrected to it [N]."""
 ITERATIONS = 5
 """The CoP depends on the offsets a little otherwise than to first order."""
 
@@ -131,8 +135,12 @@ def rezero(
     change = fresh.parameters.offset - calibration.parameters.offset
     _require_drift(shoe, change, largest)
     if calibration.covariance is not None:
-        fresh = dataclasses.replace(
-            fresh, covariance=_updated(prior, spread, found, chosen, readings)
+        known = found.tolerance.copy()
+        if found.loaded and shares_model(calibration):
+            # The weight's error is in all gains alike, and stated by itself.
+            known[0] = EQUAL_N
+        fresh = _with_covariance(
+            fresh, _updated(prior, spread, found, chosen, readings, known[chosen])
         )
     return Rezeroed(
         calibration=_signed(calibration, fresh, made_ns, temperature),
@@ -160,7 +168,7 @@ def _prior(
     chosen: BoolArray,
     made_ns: int,
 ) -> FloatArray:
-    """(2n, 2n) covariance of gains and offsets as they are now: what is not known has drifted.
+    """(5n, 5n) covariance of gains, offsets and columns by now: what is not known has drifted.
 
     The drift is as large as time makes it, or as the differences show: the least change that
     takes them away is k / n of it in variance.
@@ -171,17 +179,17 @@ def _prior(
     share = min(max(age, LEAST_DRIFT), 1.0) if age >= 0.0 else 1.0
     least = np.linalg.pinv(found.slopes[chosen] * size) @ found.error[chosen]
     drift = max(DRIFT_STD**2 * share, float(least @ least) / int(chosen.sum()))
-    prior = np.zeros((2 * count, 2 * count))
-    if calibration.covariance is not None:
-        prior += calibration.covariance
-    prior[count:, count:] += drift * np.diag(size**2)
+    joint = calibration.joint_covariance
+    prior = np.zeros((5 * count, 5 * count)) if joint is None else joint
+    prior[count : 2 * count, count : 2 * count] += drift * np.diag(size**2)
     return prior
 
 
 def _offsets_under_gains(prior: FloatArray) -> FloatArray:
     """(n, n) covariance of the offsets where the gains stay as they are."""
-    count = len(prior) // 2
-    gains, mixed, offsets = prior[:count, :count], prior[count:, :count], prior[count:, count:]
+    count = len(prior) // 5
+    gain, offset = slice(count), slice(count, 2 * count)
+    gains, mixed, offsets = prior[gain, gain], prior[offset, gain], prior[offset, offset]
     return np.asarray(offsets - mixed @ np.linalg.pinv(gains, hermitian=True) @ mixed.T)
 
 
@@ -197,18 +205,26 @@ def _updated(
     found: StandstillResiduals,
     chosen: BoolArray,
     readings: FloatArray,
+    known: FloatArray,
 ) -> FloatArray:
-    """(2n, 2n) covariance of gains and offsets after the change."""
+    """(5n, 5n) covariance of gains, offsets and columns after the change."""
     gain = _gain(spread, found.slopes[chosen])
-    whole = np.concatenate((np.zeros_like(gain), gain))
-    kept = np.eye(len(prior)) - whole @ found.jacobian(readings)[chosen]
-    added = whole * found.tolerance[chosen]
+    whole = np.zeros((len(prior), gain.shape[1]))
+    whole[len(gain) : 2 * len(gain)] = gain
+    kept = np.eye(len(prior)) - whole @ found.joint_jacobian(readings)[chosen]
+    added = whole * known
     return np.asarray(kept @ prior @ kept.T + added @ added.T)
 
 
 def _with_offsets(calibration: Calibration, offset: FloatArray) -> Calibration:
     parameters = ChannelParameters(calibration.parameters.gain, offset)
     return dataclasses.replace(calibration, parameters=parameters)
+
+
+def _with_covariance(calibration: Calibration, joint: FloatArray) -> Calibration:
+    own = 2 * len(calibration.channels)
+    columns = None if calibration.column_covariance is None else joint[own:]
+    return dataclasses.replace(calibration, covariance=joint[:own, :own], column_covariance=columns)
 
 
 def _require_drift(shoe: Shoe, change: FloatArray, largest: float) -> None:

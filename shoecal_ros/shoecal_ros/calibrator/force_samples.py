@@ -3,9 +3,7 @@
 Wrenches are six numbers, force x, y, z [N] and torque x, y, z [N m] about a frame's origin. NaN
 stands for an axis that nothing measures.
 
-Covariances are expected errors as in `ErrorModel`: of gains and offsets, of the weight, of sideways
-forces (each foot) and of where the right foot stands (the sum), and the readings' own noise. What
-the fit leaves open of the cells' places and plates is not in a calibration file.
+Covariances are those that `StatedError` states, as reports do, with the readings' own noise.
 """
 
 from __future__ import annotations
@@ -21,9 +19,15 @@ from shoecal_msgs.msg import FootForce, ShoeForces
 from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.estimation.calibration import Calibration
-from shoecal_core.estimation.expected import sideways_moment
+from shoecal_core.estimation.stated_error import (
+    StatedError,
+    StatedSample,
+    StatedWrench,
+    Turns,
+    turns_to,
+)
 from shoecal_core.robot.kinematics import BodyStates
-from shoecal_core.robot.robot import GRAVITY, Robot
+from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_ros.calibrator.live import FootFlags, Live, wrench_of
 from shoecal_ros.calibrator.load import LEFT, RIGHT
@@ -37,6 +41,9 @@ FLAT = 0.02
 VERTICAL = [2, 3, 4]
 """Force z, torque x, torque y: what cells measure."""
 UNKNOWN: FloatArray = np.full((3, 3), np.nan)
+Spread = tuple[FloatArray, FloatArray]
+"""(3, 3) covariance of F, Mx, My, and (2, 2) of the CoP."""
+NOTHING: Spread = (UNKNOWN, UNKNOWN[:2, :2])
 
 
 @dataclass(frozen=True)
@@ -47,29 +54,23 @@ class _Soles:
         turn: (3, 3) turns vectors of the right sole's frame into the left's.
         shift: (3,) origin of the right sole in the left sole's frame [m].
         flat: whether both lie on one floor.
-        to: for each target foot and each source foot (3, 3), which turns F, Mx, My in the source's
-            frame into the target's, both on one floor.
+        to: for each target foot what takes both feet's F, Mx, My into its sole's frame.
     """
 
     turn: FloatArray
     shift: FloatArray
     flat: bool
-    to: tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]
+    to: tuple[Turns, Turns]
 
     @classmethod
     def of(cls, states: BodyStates) -> _Soles:
         """In the last sample."""
         turn, support = states.rotation[-1], states.support()
-        to_left: FloatArray = np.eye(3)
-        same: FloatArray = np.eye(3)
-        to_left[1:, 1:] = support.rotation
-        to_left[1:, 0] = support.dy, -support.dx
-        to_right = np.asarray(np.linalg.inv(to_left), dtype=np.float64)
         return cls(
             turn=turn,
             shift=states.translation[-1],
             flat=math.acos(min(1.0, abs(float(turn[2, 2])))) < FLAT,
-            to=((same, to_left), (to_right, same)),
+            to=(turns_to(support, LEFT), turns_to(support, RIGHT)),
         )
 
     def moved(self, place: FloatArray, source: int, target: int) -> FloatArray:
@@ -108,22 +109,10 @@ class ForceSamples:
         self._fixed = None if sum_frame == STANCE else FEET.index(sum_frame)
         self._law = calibration.parameters
         self._sideways = [_sideways(shoe, foot) for foot in range(len(FEET))]
-        self._covariance = calibration.covariance
-        self._weight_error = robot.mass_std * GRAVITY / robot.weight
-        force = tolerances.sideways_share * robot.weight
-        unfelt = [sideways_moment(shoe, foot, force) for foot in (LEFT, RIGHT)]
-        self._unfelt = np.diag([moment**2 for one in unfelt for moment in (0.0, one, one)])
-        stds = (tolerances.support_m, tolerances.support_m, tolerances.support_rad)
-        self._support_variances = np.square(stds)
+        self._stated = StatedError.of_calibration(calibration, robot, shoe, tolerances)
         # Joint angles come less often than readings.
         self._states: BodyStates | None = None
         self._between: _Soles | None = None
-        columns = calibration.calibrated(shoe).columns
-        count = len(columns)
-        self._columns = np.zeros((6, count))
-        for foot in (LEFT, RIGHT):
-            own = shoe.of_foot(foot)
-            self._columns[3 * foot : 3 * foot + 3, own] = columns[own].T
 
     def message(
         self,
@@ -143,13 +132,10 @@ class ForceSamples:
         if states is not self._states:
             self._states = states
             self._between = None if states is None else _Soles.of(states)
-        covariance = self._output_covariance(live, noise)
+        stated = None if self._stated is None else self._stated.at(live.readings, noise)
         forces = [self._sideways_force(foot, live.readings) for foot in (LEFT, RIGHT)]
-        feet = [
-            self._foot(foot, live, flags[foot], forces[foot], covariance + self._unfelt)
-            for foot in (LEFT, RIGHT)
-        ]
-        both = self._both(live, flags, forces, covariance)
+        feet = [self._foot(foot, live, flags[foot], forces[foot], stated) for foot in (LEFT, RIGHT)]
+        both = self._both(live, flags, forces, stated)
         return ShoeForces(
             header=header_to_ros(live.stamp_ns, both.frame_id),
             calibration=self._id,
@@ -161,7 +147,12 @@ class ForceSamples:
     # One foot, and both
 
     def _foot(
-        self, foot: int, live: Live, flags: FootFlags, sideways: FloatArray, covariance: FloatArray
+        self,
+        foot: int,
+        live: Live,
+        flags: FootFlags,
+        sideways: FloatArray,
+        stated: StatedSample | None,
     ) -> FootForce:
         own = live.feet[foot]
         wrench = np.full(6, np.nan)
@@ -171,8 +162,8 @@ class ForceSamples:
         if own.cop is not None:
             wrench[VERTICAL] = wrench_of(own)
             place = (*own.cop, 0.0)
-        part = slice(3 * foot, 3 * foot + 3)
-        message = _message(self._soles[foot], wrench, place, covariance[part, part])
+        spread = NOTHING if stated is None else _spread(stated.foot(foot))
+        message = _message(self._soles[foot], wrench, place, spread)
         message.loaded, message.stale = flags.loaded, flags.stale
         message.valid, message.extrapolating = flags.valid, flags.extrapolating
         return message
@@ -182,10 +173,10 @@ class ForceSamples:
         live: Live,
         flags: Sequence[FootFlags],
         sideways: Sequence[FloatArray],
-        covariance: FloatArray,
+        stated: StatedSample | None,
     ) -> FootForce:
         target = live.frame if self._fixed is None else self._fixed
-        wrench, place, spread = np.full(6, np.nan), None, UNKNOWN
+        wrench, place, spread = np.full(6, np.nan), None, NOTHING
         between = self._between
         if between is not None and live.wrench is not None:
             to_target = between.to[target]
@@ -194,8 +185,8 @@ class ForceSamples:
                 if not any(live.loaded):
                     wrench[3:5] = np.nan
             if between.flat:
-                across = np.hstack(to_target)
-                spread = across @ covariance @ across.T + self._by_support(between, live, target)
+                if stated is not None:
+                    spread = _spread(stated.both(to_target, target))
                 turns = [one[1:, 1:] for one in to_target]
                 wrench[:2] = sum(turn @ one for turn, one in zip(turns, sideways, strict=True))
             if live.cop is not None:
@@ -217,32 +208,6 @@ class ForceSamples:
             force[axis] = self._law.gain[channel] * readings[channel] + self._law.offset[channel]
         return force
 
-    def _by_support(self, between: _Soles, live: Live, target: int) -> FloatArray:
-        """(3, 3) of the sum's F, Mx, My, by where the right foot stands."""
-        right = np.array(wrench_of(live.feet[RIGHT]))
-        if target == RIGHT:
-            right = between.to[RIGHT][LEFT] @ np.array(wrench_of(live.feet[LEFT]))
-        force, (about_x, about_y) = right[0], between.to[LEFT][RIGHT][1:, 1:] @ right[1:]
-        by_pose = [[0.0, 0.0, 0.0], [0.0, force, -about_y], [-force, 0.0, about_x]]
-        slopes = between.to[target][LEFT] @ np.array(by_pose)
-        return np.asarray(slopes * self._support_variances @ slopes.T, dtype=np.float64)
-
-    def _output_covariance(self, live: Live, noise: FloatArray) -> FloatArray:
-        """(6, 6) of F, Mx, My of the left and the right foot; NaN where it is not known."""
-        if self._covariance is None:
-            return np.full((6, 6), np.nan)
-        readings = live.readings
-        # Of a foot with a bad reading nothing is known.
-        jacobian = np.hstack((self._columns * np.nan_to_num(readings), self._columns))
-        noisy = self._columns * (self._law.gain * noise)
-        # A wrong weight scales all gains alike.
-        scaled = self._weight_error * np.hstack([wrench_of(foot) for foot in live.feet])
-        found: FloatArray = jacobian @ self._covariance @ jacobian.T + noisy @ noisy.T
-        found += np.outer(scaled, scaled)
-        bad = (self._columns[:, np.isnan(readings)] != 0.0).any(axis=1)
-        found[bad] = found[:, bad] = np.nan
-        return found
-
 
 def no_forces(
     stamp_ns: int, calibration_id: str, soles: tuple[str, str], flags: Sequence[FootFlags]
@@ -257,7 +222,7 @@ def no_forces(
     """
     unknown = np.full(6, np.nan)
     frames = (*soles, soles[LEFT])
-    left, right, both = (_message(frame, unknown, None, UNKNOWN) for frame in frames)
+    left, right, both = (_message(frame, unknown, None, NOTHING) for frame in frames)
     for one, own in zip((left, right), flags, strict=True):
         one.stale = own.stale
     both.stale = any(one.stale for one in flags)
@@ -276,8 +241,12 @@ def _sideways(shoe: Shoe, foot: int) -> list[tuple[int, int]]:
     ]
 
 
+def _spread(stated: StatedWrench) -> Spread:
+    return stated.covariance, stated.output_covariance[1:, 1:]
+
+
 def _message(
-    frame: str, wrench: FloatArray, place: Sequence[float] | None, covariance: FloatArray
+    frame: str, wrench: FloatArray, place: Sequence[float] | None, spread: Spread
 ) -> FootForce:
     force, torque = wrench[:3].tolist(), wrench[3:].tolist()
     x, y, z = (math.nan,) * 3 if place is None else place
@@ -288,20 +257,8 @@ def _message(
             torque=Vector3(x=torque[0], y=torque[1], z=torque[2]),
         ),
         measured=np.isfinite(wrench).tolist(),
-        covariance=covariance.ravel(),
+        covariance=spread[0].ravel(),
         has_cop=place is not None,
         cop=Point(x=float(x), y=float(y), z=float(z)),
-        cop_covariance=_cop_covariance(wrench[VERTICAL], covariance).ravel()
-        if place is not None
-        else np.full(4, np.nan),
+        cop_covariance=(NOTHING if place is None else spread)[1].ravel(),
     )
-
-
-def _cop_covariance(wrench: FloatArray, covariance: FloatArray) -> FloatArray:
-    """(2, 2) of x = -My/F and y = Mx/F, to first order [m^2]."""
-    force, about_x, about_y = wrench
-    slope = np.array(
-        [[about_y / force**2, 0.0, -1.0 / force], [-about_x / force**2, 1.0 / force, 0.0]]
-    )
-    spread: FloatArray = slope @ covariance @ slope.T
-    return spread

@@ -9,7 +9,8 @@ from shoecal_msgs.srv import Rezero
 
 from shoecal_core.errors import FileError, ShoecalError
 from shoecal_core.estimation.calibration import Calibration
-from shoecal_core.planning.supports.polygon_error import PolygonError, polygon_error
+from shoecal_core.estimation.expected import Spread, over_polygons
+from shoecal_core.estimation.stated_error import StatedError
 from shoecal_core.workflows.rezero import Rezeroed, rezero
 from shoecal_ros.calibrator.calibration_server import CalibrationServer
 from shoecal_ros.calibrator.calibrator_base import CalibratorBase
@@ -129,17 +130,19 @@ class RezeroServer:
             temperature=node.voltages.temperature,
         )
 
-    async def _expected(self, calibration: Calibration) -> PolygonError | None:
-        """Error that is left by a calibration's covariance; None where it has none."""
-        covariance, node = calibration.covariance, self._node
-        if covariance is None:
+    async def _expected(self, calibration: Calibration) -> tuple[Spread, Spread, Spread] | None:
+        """Error that is left of both feet, left and right; None where it is not known."""
+        node = self._node
+        stated = StatedError.of_calibration(calibration, node.robot, node.shoe, node.tolerances)
+        if stated is None:
             return None
-        return await aside(
-            lambda: polygon_error(node.robot, node.shoe, covariance, calibration.parameters)
-        )
+        return await aside(lambda: over_polygons(stated, node.robot, node.shoe))
 
     def _answer(
-        self, found: Rezeroed, expected: PolygonError | None, response: Rezero.Response
+        self,
+        found: Rezeroed,
+        expected: tuple[Spread, Spread, Spread] | None,
+        response: Rezero.Response,
     ) -> None:
         fresh, (before, after) = found.calibration, (found.before, found.after)
         response.success = True
@@ -151,11 +154,12 @@ class RezeroServer:
         response.grf_left = response.cop_left = float("nan")
         left = "how much is left is unknown: the calibration has no covariance"
         if expected is not None:
-            response.grf_left, response.cop_left = expected.grf.rms, expected.cop.rms
+            both, *feet = expected
+            response.grf_left, response.cop_left = both.grf_rms, both.cop_rms
             left = (
-                f"expected error left: GRF {expected.grf.rms:.2f} N, CoP "
-                f"{1e3 * expected.cop.rms:.1f} mm on both feet and "
-                f"{1e3 * expected.worst_foot_cop:.1f} mm on one"
+                f"expected error left: GRF {both.grf_rms:.2f} N, CoP "
+                f"{1e3 * both.cop_rms:.1f} mm on both feet and "
+                f"{1e3 * max(foot.cop_rms for foot in feet):.1f} mm on one"
             )
         response.message = f"'{fresh.id}' in force: {found.summary}; {left}: {CURE}"
 

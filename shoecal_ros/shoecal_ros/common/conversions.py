@@ -228,7 +228,6 @@ def calibration_to_ros(calibration: Calibration, origin: Origin | None = None) -
         calibration: whole.
         origin: where it was made; None: as its time stamp says.
     """
-    covariance = calibration.covariance
     origin = origin or Origin.of(calibration)
     return ShoeCalibration(
         header=header_to_ros(calibration.made_ns),
@@ -242,8 +241,10 @@ def calibration_to_ros(calibration: Calibration, origin: Origin | None = None) -
         channel=list(calibration.channels),
         gain=_doubles(calibration.parameters.gain),
         offset=_doubles(calibration.parameters.offset),
-        covariance=_doubles(np.zeros(0) if covariance is None else covariance),
-        columns=_doubles(np.zeros(0) if calibration.columns is None else calibration.columns),
+        covariance=_doubles(_or_empty(calibration.covariance)),
+        columns=_doubles(_or_empty(calibration.columns)),
+        column_covariance=_doubles(_or_empty(calibration.column_covariance)),
+        support_covariance=_doubles(_or_empty(calibration.support_covariance)),
         correction=_corrections_to_ros(calibration.corrections),
         weight=float(calibration.weight),
         time_offset=float(calibration.time_offset),
@@ -283,12 +284,6 @@ def calibration_from_ros(message: ShoeCalibration) -> Calibration:
             f"{CALIBRATION_FORMAT}; use one version of shoecal on both sides"
         )
     count = len(message.channel)
-    covariance = np.array(message.covariance)
-    if len(covariance) not in {0, (2 * count) ** 2}:
-        raise ShapeError("covariance", f"0 or {(2 * count) ** 2} numbers", covariance.shape)
-    columns = np.array(message.columns)
-    if len(columns) not in {0, 3 * count}:
-        raise ShapeError("columns", f"0 or {3 * count} numbers", columns.shape)
     return Calibration(
         id=message.id,
         source=message.source,
@@ -299,7 +294,7 @@ def calibration_from_ros(message: ShoeCalibration) -> Calibration:
         shoe_hash=message.shoe_hash,
         channels=tuple(message.channel),
         parameters=ChannelParameters(np.array(message.gain), np.array(message.offset)),
-        covariance=covariance.reshape(2 * count, 2 * count) if len(covariance) else None,
+        covariance=_matrix(message, "covariance", (2 * count, 2 * count)),
         corrections=tuple(
             _correction_from_ros(correction)
             for correction in message.correction
@@ -311,8 +306,25 @@ def calibration_from_ros(message: ShoeCalibration) -> Calibration:
         verdict=message.verdict,
         reasons=tuple(message.reasons),
         fitted_runs=tuple(message.fitted_runs),
-        columns=columns.reshape(count, 3) if len(columns) else None,
+        columns=_matrix(message, "columns", (count, 3)),
+        column_covariance=_matrix(message, "column_covariance", (3 * count, 5 * count)),
+        support_covariance=_matrix(message, "support_covariance", (3, 3)),
     )
+
+
+def _or_empty(matrix: FloatArray | None) -> FloatArray:
+    return np.zeros(0) if matrix is None else matrix
+
+
+def _matrix(message: ShoeCalibration, field: str, shape: tuple[int, int]) -> FloatArray | None:
+    """A matrix row by row; None for an empty one."""
+    values = np.array(getattr(message, field))
+    if not len(values):
+        return None
+    size = shape[0] * shape[1]
+    if len(values) != size:
+        raise ShapeError(field, f"0 or {size} numbers", values.shape)
+    return values.reshape(shape)
 
 
 def _corrections_to_ros(

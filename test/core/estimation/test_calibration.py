@@ -118,6 +118,37 @@ def test_calibrated_columns(whole: Calibration, shoe: Shoe, tmp_path: Path) -> N
             replace(whole, columns=wrong)
 
 
+def test_errors_of_columns_and_supports(whole: Calibration, shoe: Shoe, tmp_path: Path) -> None:
+    """They come back; who does not know them reads a file without them."""
+    path, count = tmp_path / "calibration.yaml", len(shoe.names)
+    rng = np.random.default_rng(8)
+    root = rng.normal(size=(5 * count, 5 * count))
+    joint = root @ root.T
+    full = replace(
+        whole,
+        covariance=joint[: 2 * count, : 2 * count],
+        columns=shoe.columns,
+        column_covariance=joint[2 * count :],
+        support_covariance=np.diag(rng.uniform(size=3)),
+    )
+    save_calibration(full, path)
+    assert read_yaml(path).integer("format") == 3
+    assert same(load_calibration(path), full)
+    found = full.joint_covariance
+    assert found is not None
+    np.testing.assert_array_equal(found, joint)
+    assert whole.joint_covariance is not None
+    assert not whole.joint_covariance[2 * count :].any()
+    for wrong in (joint, np.full_like(joint[2 * count :], np.nan)):
+        with pytest.raises(ShoecalError, match="column covariance"):
+            replace(full, column_covariance=wrong)
+    for wrong in (np.eye(2), np.full((3, 3), np.nan)):
+        with pytest.raises(ShoecalError, match="support covariance"):
+            replace(full, support_covariance=wrong)
+    with pytest.raises(ShoecalError, match="need the covariance"):
+        replace(full, covariance=None)
+
+
 @given(st.data())
 @settings(max_examples=20)
 def test_every_number_and_text_survives_bit_for_bit(data: st.DataObject) -> None:
@@ -279,7 +310,7 @@ def test_each_fault_is_one_error_that_names_its_field(name: str, tmp_path: Path)
 def test_a_newer_format_is_refused(whole: Calibration, tmp_path: Path) -> None:
     path = tmp_path / "calibration.yaml"
     save_calibration(whole, path)
-    mutations.write_edited(path, path, (("format",), 3))
+    mutations.write_edited(path, path, (("format",), 4))
     with pytest.raises(VersionError, match="update shoecal"):
         load_calibration(path)
 

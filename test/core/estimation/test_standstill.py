@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -66,6 +68,27 @@ def test_slopes_are_the_derivatives(
 
     slopes = found(shoe, truth, drifted(truth, start), forces).slopes
     assert_jacobian(error, slopes, start, relative_step=1e-2)
+
+
+@pytest.mark.parametrize("forces", STANCES)
+def test_column_slopes_are_the_derivatives(
+    shoe: Shoe, truth: ChannelParameters, forces: tuple[float, float]
+) -> None:
+    standing = stand(shoe, forces)
+    readings, hanging = standing.readings(truth), (not forces[0], not forces[1])
+    plain = calibration(shoe, truth)
+
+    def differences(columns: FloatArray) -> StandstillResiduals:
+        moved = replace(plain, columns=columns.reshape(-1, 3))
+        return compare(moved, shoe, readings, standing.body, hanging, TOLERANCE)
+
+    start = shoe.columns.ravel()
+    slopes = differences(start).column_slopes
+    steps = 1e-6 * np.eye(len(start))
+    found = np.stack(
+        [(differences(start + s).error - differences(start - s).error) / 2e-6 for s in steps], 1
+    )
+    np.testing.assert_allclose(slopes, found, rtol=1e-5, atol=1e-5)
 
 
 def test_the_corrected_cop_counts(

@@ -11,7 +11,7 @@ from core.report.pages import read_svg
 from core.robot import robots
 from core.shoe import shoes
 from shoecal_core.errors import ShapeError
-from shoecal_core.planning.supports.polygon_error import places_over
+from shoecal_core.planning.supports.places import places_over
 from shoecal_core.report.figures.error_map import ErrorMap, common_levels, error_map
 from shoecal_core.report.figures.feet import foot_shape
 from shoecal_core.report.palette import SIZES

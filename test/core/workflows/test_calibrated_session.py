@@ -11,10 +11,12 @@ import yaml
 
 from shoecal_core.cli.calibrate_command import to_json
 from shoecal_core.cli.program import main
-from shoecal_core.estimation.calibration import load_calibration
+from shoecal_core.error_sources.tolerances import Tolerances
+from shoecal_core.estimation.calibration import load_calibration, save_calibration
 from shoecal_core.estimation.fit import self_calibrate
 from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.estimation.session_data import load_data
+from shoecal_core.estimation.stated_error import StatedError, turns_to
 from shoecal_core.recording.session import Session
 from shoecal_core.report.assessment_tables import source_name
 from shoecal_core.report.calibration_report import calibration_report
@@ -58,6 +60,29 @@ def test_it_is_fitted_with_all_that_may_be_wrong(outcome: CalibrationOutcome) ->
     assert outcome.calibration.corrections == ()
     effects = {one.deviation.effect for one in joint.deviations}
     assert {"joint_offset", "backlash", "cell_position", "plates", "support"} <= effects
+
+
+def test_its_file_states_the_errors_of_the_report(
+    outcome: CalibrationOutcome, tmp_path: Path
+) -> None:
+    """At readings of a test run, foot by foot and for both."""
+    save_calibration(outcome.calibration, tmp_path / "calibration.yaml")
+    calibration = load_calibration(tmp_path / "calibration.yaml")
+    session, data = outcome.data.session, outcome.data
+    filed = StatedError.of_calibration(calibration, data.robot, session.shoe, Tolerances())
+    assert filed is not None
+    errors = outcome.assessment.error_model
+    (stance, *_) = data.of(TEST)
+    readings = stance.readings[::500]
+    outputs = calibration.parameters.outputs(readings)
+    sample = filed.at(readings)
+    for stated, spread in (
+        (sample.foot(0), errors.foot(outputs, 0)),
+        (sample.foot(1), errors.foot(outputs, 1)),
+        (sample.both(turns_to(stance.support)), errors.both_feet(outputs, stance.support)),
+    ):
+        found = np.sqrt(np.diagonal(stated.output_covariance, axis1=1, axis2=2))
+        np.testing.assert_allclose(found, np.column_stack((spread.grf, spread.cop)), rtol=1e-6)
 
 
 def test_figures_for_machines(outcome: CalibrationOutcome) -> None:

@@ -28,7 +28,7 @@ from shoecal_core.estimation.standstill import compare
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_core.shoe.wrench import ChannelParameters, foot_wrenches
-from shoecal_core.workflows.rezero import Rezeroed, RezeroError, rezero
+from shoecal_core.workflows.rezero import EQUAL_N, Rezeroed, RezeroError, rezero
 
 HOUR_NS = 3600 * 10**9
 STANCES = [BOTH, (WEIGHT, 0.0), (0.0, WEIGHT), (0.0, 0.0)]
@@ -157,6 +157,7 @@ def test_the_corrected_cop_is_the_one_that_counts(
 def test_what_was_corrected_is_known_as_well_as_weight_and_model(
     shoe: Shoe, truth: ChannelParameters, drift: FloatArray
 ) -> None:
+    """The weight's own error is stated apart, where the gains were fitted to it."""
     standing = stand(shoe)
     covariance = spread(shoe, np.random.default_rng(1))
     old = calibration(shoe, drifted(truth, drift), covariance=covariance)
@@ -166,7 +167,30 @@ def test_what_was_corrected_is_known_as_well_as_weight_and_model(
         readings = standing.readings(truth)
         told = compare(again, shoe, readings, standing.body, (False, False), TOLERANCE)
         own = np.diag(told.variance(readings, again.covariance))
-        np.testing.assert_allclose(np.sqrt(own), told.tolerance, rtol=1e-3)
+        np.testing.assert_allclose(np.sqrt(own), [EQUAL_N, *told.tolerance[1:]], rtol=1e-3)
+
+
+def test_errors_of_columns_stay_in_what_is_known(
+    shoe: Shoe, truth: ChannelParameters, drift: FloatArray
+) -> None:
+    """Offsets take up what wrong columns do at this standstill: there they do no more harm."""
+    standing, count = stand(shoe), len(shoe.names)
+    root = 1e-3 * np.random.default_rng(5).normal(size=(5 * count, 5 * count))
+    joint = root @ root.T
+    old = calibration(
+        shoe,
+        drifted(truth, drift),
+        covariance=joint[: 2 * count, : 2 * count],
+        column_covariance=joint[2 * count :],
+    )
+    fresh = rezeroed(old, shoe, truth, standing).calibration
+    readings = standing.readings(truth)
+    told = compare(fresh, shoe, readings, standing.body, (False, False), TOLERANCE)
+    own = np.diag(told.variance(readings, fresh.joint_covariance))
+    np.testing.assert_allclose(np.sqrt(own), [EQUAL_N, *told.tolerance[1:]], rtol=1e-3)
+    assert fresh.joint_covariance is not None
+    columns = slice(2 * count, None)
+    np.testing.assert_allclose(fresh.joint_covariance[columns, columns], joint[columns, columns])
 
 
 def test_the_rest_is_as_uncertain_as_the_drift_was_large(

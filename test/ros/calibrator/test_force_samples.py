@@ -166,11 +166,16 @@ def test_covariances_are_those_of_draws() -> None:
 
 def test_covariances_are_the_expected_errors_and_the_noise() -> None:
     shoe, made, readings = nao_sample()
-    made, law = replace(made, covariance=1e-6 * np.eye(16)), made.parameters
-    tolerances = Tolerances()
-    model = ErrorModel.of(
-        nao(), shoe, shoe, law, made.covariance, [], np.diag(support_variances(tolerances)),
-        tolerances,
+    law, tolerances = made.parameters, Tolerances()
+    # Of gains, offsets and three errors of columns, all correlated; supports off more than usual.
+    rng = np.random.default_rng(6)
+    root = 1e-3 * rng.normal(size=(19, 19))
+    columns = [rng.normal(size=(8, 3)) for _ in range(3)]
+    support = 2.0 * np.diag(support_variances(tolerances)) + 1e-7
+    model = ErrorModel.of(nao(), shoe, shoe, law, root @ root.T, columns, support, tolerances)
+    made = replace(
+        made, columns=shoe.columns, covariance=model.stated.covariance[:16, :16],
+        column_covariance=model.stated.covariance[16:], support_covariance=support,
     )  # fmt: skip
     samples = ForceSamples(made, nao(), shoe, tolerances, SOLES, "left")
     sample, outputs = live(shoe, made, readings), law.outputs(readings[None])

@@ -159,6 +159,8 @@ def test_calibrations_come_back(feet: tuple[int, ...], known: bool) -> None:
         reasons=("one", "two"),
         fitted_runs=("ab", "cd"),
         columns=rng.normal(size=(len(shoe.names), 3)) if known else None,
+        column_covariance=rng.normal(size=(3 * count // 2, 5 * count // 2)) if known else None,
+        support_covariance=rng.normal(size=(3, 3)) if known else None,
     )
     found = conversions.calibration_from_ros(sent(conversions.calibration_to_ros(original)))
     for name in ("id", "source", "made_ns", "robot", "shoe", "robot_hash", "shoe_hash",
@@ -168,15 +170,11 @@ def test_calibrations_come_back(feet: tuple[int, ...], known: bool) -> None:
     np.testing.assert_equal(found.temperature, original.temperature)
     np.testing.assert_array_equal(found.parameters.gain, original.parameters.gain)
     np.testing.assert_array_equal(found.parameters.offset, original.parameters.offset)
-    if original.columns is None:
-        assert found.columns is None
-    else:
-        np.testing.assert_array_equal(found.columns, original.columns)
-    if original.covariance is None:
-        assert found.covariance is None
-    else:
-        assert found.covariance is not None
-        np.testing.assert_array_equal(found.covariance, original.covariance)
+    for name in ("columns", "covariance", "column_covariance", "support_covariance"):
+        if known:
+            np.testing.assert_array_equal(getattr(found, name), getattr(original, name))
+        else:
+            assert getattr(found, name) is None
     assert [one.foot for one in found.corrections] == list(feet)
     for one, other in zip(found.corrections, original.corrections, strict=True):
         for part in ("x", "y", "cop_range", "output_range"):
@@ -208,10 +206,11 @@ def test_a_calibration_of_another_layout_is_refused() -> None:
 
 
 def test_a_calibration_with_half_a_covariance_is_refused() -> None:
-    message = conversions.calibration_to_ros(calibration(nao(), nao_shoe()))
-    message.covariance = [1.0, 2.0]
-    with pytest.raises(ShoecalError, match="covariance"):
-        conversions.calibration_from_ros(message)
+    for field in ("covariance", "column_covariance", "support_covariance"):
+        message = conversions.calibration_to_ros(calibration(nao(), nao_shoe()))
+        setattr(message, field, [1.0, 2.0])
+        with pytest.raises(ShoecalError, match=field):
+            conversions.calibration_from_ros(message)
 
 
 def test_an_empty_calibration_is_refused() -> None:
