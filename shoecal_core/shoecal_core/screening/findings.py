@@ -12,7 +12,7 @@ from shoecal_core.screening.clocks import LARGEST_S
 from shoecal_core.screening.closure import Slipped
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.imu import WrongMount
-from shoecal_core.screening.pulled import Pull
+from shoecal_core.screening.pulled import Pull, Wavering
 from shoecal_core.screening.result import LeftOut
 from shoecal_core.screening.saturated import Saturated
 from shoecal_core.screening.sideways import SidewaysFault
@@ -20,7 +20,7 @@ from shoecal_core.screening.soles import Soles
 from shoecal_core.screening.unresponsive import Stuck
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.screening.weights import WrongWeight
-from shoecal_core.screening.wiring import WiringFaults, of_feet
+from shoecal_core.screening.wiring import WiringFaults, mirrored, of_feet
 from shoecal_core.screening.zeros import MovedZeros
 from shoecal_core.shoe.shoe import FEET, Shoe
 
@@ -41,8 +41,7 @@ MAX_TIME_OFFSET_S = 0.05
 _CURES: Mapping[Fault, tuple[str, str]] = {
     Fault.UNREADABLE: (
         "has no readings, bad or repeated ones, or no joint angles at the same time",
-        "check the device's status, that it samples as often as it sends, and that both have "
-        "stamps of one clock",
+        "check the device's status and rate of sampling, and that both have stamps of one clock",
     ),
     Fault.TOO_FAST: ("moved too fast to be taken as standing still", "plan a slower motion"),
     Fault.DISTURBED: (
@@ -107,6 +106,16 @@ def of_wiring(shoe: Shoe, wiring: WiringFaults) -> list[Finding]:
                 "FAIL",
                 "left and right are exchanged: what comes as one foot's fits the other; exchange "
                 "their plugs, their topics, or feet.*.link in the robot file, and record again",
+                Fault.SWAPPED,
+            )
+        ]
+    if wiring.swapped and set(wiring.swapped) == set(mirrored(shoe)):
+        return [
+            Finding(
+                "FAIL",
+                "left and right are exchanged as in a mirror: what comes as one cell fits that at "
+                "the same place of the other foot, seen from the middle; exchange the plugs or "
+                "names of both feet cell by cell, and record again",
                 Fault.SWAPPED,
             )
         ]
@@ -281,6 +290,23 @@ def of_weights(found: Sequence[WrongWeight]) -> list[Finding]:
             Fault.WRONG_WEIGHT,
         )
         for one in found
+    ]
+
+
+def of_wavering(found: Wavering | None) -> list[Finding]:
+    """A vertical force that varies in most runs."""
+    if found is None:
+        return []
+    vary = "vary" if found.runs[1:] else "varies"
+    return [
+        Finding(
+            "FAIL",
+            f"the vertical forces of {_runs(found.runs)} {vary} by up to {found.force:.1f} N "
+            "while the robot only leans, whatever the cells' gains and zeros are: take off the "
+            "rope or cable, do not touch the robot, see that the cells' supply voltage is steady, "
+            "and record again",
+            Fault.PULLED,
+        )
     ]
 
 

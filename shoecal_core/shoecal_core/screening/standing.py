@@ -19,7 +19,7 @@ from shoecal_core.screening.disturbed import disturbed
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.hanging import both_hang, without
 from shoecal_core.screening.noise import noise
-from shoecal_core.screening.pulled import Pull, pulls
+from shoecal_core.screening.pulled import Pull, pulls, wavering
 from shoecal_core.screening.quasi_static import too_fast
 from shoecal_core.screening.result import LeftOut, Screening
 from shoecal_core.screening.rough_fit import equations, prior, reweighed, solve
@@ -83,6 +83,13 @@ def screen_standing(
     information = prior(shoe, parts, weight, settings)
     several = len(aligned) > 1
     rows = {run: equations(one, weight, settings) for run, one in parts.items()}
+    watched = {run for run, lift in lifting.items() if lift is None} - {*fast, *hanging}
+    wavers = wavering(rows, watched, information, weight, settings)
+    if wavers is not None:
+        wiring = check_wiring(shoe, parts, information, weight, settings)
+        return found.adding(
+            words.of_wiring(shoe, wiring) if wiring.clear else words.of_wavering(wavers)
+        )
     if several:
         # First: zeros that move look like exchanged cables and like cells that stop.
         height = float(np.median([np.median(one.states.com[:, 0, 2]) for one in aligned.values()]))
@@ -98,7 +105,6 @@ def screen_standing(
         found = found.adding(words.of_sideways(sideways_fault(shoe, slow, weight)))
     if found.fails:
         return found
-    watched = {run for run, lift in lifting.items() if lift is None} - {*fast, *hanging}
     pulled = {one.run: one for one in pulls(rows, parts, watched, information, weight, settings)}
     sound = {run: one for run, one in rows.items() if run not in pulled}
     fit = solve(reweighed(sound, information), information)

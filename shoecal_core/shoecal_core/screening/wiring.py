@@ -26,6 +26,9 @@ SURE_STDS = 5.0
 BETTER = 25.0
 """An exchange counts when it lowers the sum of squares by this much, in units of the mean square
 of what the best one leaves, or of the settings' where that is more."""
+CLEAR_SHARE = 0.2
+"""Of the sum of squares, that the exchange of a whole foot leaves at most: a force from outside,
+which fits no cables, is also less off with some of them, and leaves 0.6 of it."""
 
 
 @dataclass(frozen=True)
@@ -36,11 +39,13 @@ class WiringFaults:
         inverted: channels whose sign is against the shoe file.
         swapped: pairs of channels that are connected at each other's place.
         contradicting: left and right sideways axes of which one is inverted.
+        clear: the exchange leaves a small part of what does not fit as the cables should be.
     """
 
     inverted: tuple[int, ...]
     swapped: tuple[tuple[int, int], ...]
     contradicting: tuple[tuple[int, int], ...] = ()
+    clear: bool = False
 
 
 def check_wiring(
@@ -64,6 +69,7 @@ def check_wiring(
     tried = [_without_each(runs, place, information, weight, settings) for place in places]
     best = int(np.argmin([one.fits[0].cost for one in tried]))
     least = settings.cop_std_m
+    clear = tried[best].fits[0].cost < CLEAR_SHARE * tried[0].fits[0].cost
     against, there = (
         _inverted(shoe, places[at], tried[at], runs, weight, least) for at in (0, best)
     )
@@ -77,6 +83,7 @@ def check_wiring(
         inverted=tuple(np.flatnonzero(against).tolist()),
         swapped=tuple((int(k), int(places[best][k])) for k in np.flatnonzero(places[best] > right)),
         contradicting=_contradicting(shoe, tried[best], runs, weight, least),
+        clear=clear,
     )
 
 
@@ -188,7 +195,7 @@ def _against(polarity: IntArray, fit: RoughFit) -> BoolArray:
 
 def exchanges(shoe: Shoe) -> list[list[tuple[int, int]]]:
     """Pairs of one-axis cells, and of torques of one foot and of both; all channels of both feet
-    where these are alike.
+    where these are alike, by name or by their place in mirrored soles.
     """
     cells = [i for i, channel in enumerate(shoe.channels) if channel.column[0] == 1.0]
     torques = [i for i in range(len(shoe.names)) if shoe.torque[i]]
@@ -200,7 +207,21 @@ def exchanges(shoe: Shoe) -> list[list[tuple[int, int]]]:
         *([(one, two)] for one, two in turned),
         *([[(one, two) for one, two in turned]] if turned[1:] else []),
         *([feet] if (feet := of_feet(shoe)) else []),
+        *([pairs] if (pairs := mirrored(shoe)) not in ([], feet) else []),
     ]
+
+
+def mirrored(shoe: Shoe) -> list[tuple[int, int]]:
+    """Each one-axis cell of the left foot with that at its place in the mirror; empty without."""
+    left, right = (
+        {
+            tuple(np.round(channel.column[1:] * side, 3).tolist()): i
+            for i, channel in enumerate(shoe.channels)
+            if shoe.foot[i] == foot and channel.column[0] == 1.0
+        }
+        for foot, side in ((0, np.array([1.0, 1.0])), (1, np.array([-1.0, 1.0])))
+    )
+    return [(i, right[at]) for at, i in left.items()] if left.keys() == right.keys() else []
 
 
 def of_feet(shoe: Shoe) -> list[tuple[int, int]]:
