@@ -378,14 +378,13 @@ def of_clock_rate(rate: float) -> list[Finding]:
     """A clock that runs faster than the other one, which no constant offset puts right."""
     if rate == 0.0:
         return []
-    fast, slow = ("readings", "joints") if rate > 0.0 else ("joints", "readings")
     return [
         Finding(
             "FAIL",
-            f"the clock of the {fast} runs fast by {abs(rate):.1%} against that of the {slow}, so "
-            "their stamps drift apart within each run: let both be stamped by one clock as they "
-            "come in, or correct the clock of the board (its crystal or its timer's divider), and "
-            "record again",
+            f"the shoe's clock runs {100.0 * abs(rate):.2g}% {'fast' if rate > 0.0 else 'slow'} "
+            "against the joints', so their stamps drift apart within each run: let both be stamped "
+            "by one clock as they come in, or correct the clock of the board (its crystal or its "
+            "timer's divider), and record again",
             Fault.LATE,
         )
     ]
