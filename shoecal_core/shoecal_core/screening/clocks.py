@@ -56,6 +56,8 @@ STEP_FACTOR = 2.0
 """Runs' offsets scatter about a line by so many times less than where they jump once."""
 UNKNOWN = (0.0, 1e3)
 """A slope and its standard deviation where nothing shows it."""
+LARGEST_RATE = 0.03
+"""No clock is further off; a faster drift of the CoP has another cause."""
 RATE_STDS = 3.0
 """Standard deviations from which a clock's rate is sure: 0.15 % in one run of a minute, 0.1 % in
 seven runs within two."""
@@ -113,7 +115,7 @@ def clock_rate(
         slope = float(share @ (slope, between[0]) / share.sum())
         std = float(share.sum() ** -0.5)
     # Readings of a fast clock come later and later, so the joints earlier and earlier.
-    return -slope if abs(slope) > RATE_STDS * std else 0.0
+    return -slope if RATE_STDS * std < abs(slope) < LARGEST_RATE else 0.0
 
 
 def _within(tracks: Sequence[CopTrack]) -> tuple[float, float]:

@@ -17,6 +17,7 @@ from shoecal_core.screening.result import LeftOut
 from shoecal_core.screening.saturated import Saturated
 from shoecal_core.screening.sideways import SidewaysFault
 from shoecal_core.screening.soles import Soles
+from shoecal_core.screening.units import OtherUnit
 from shoecal_core.screening.unresponsive import Stuck
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.screening.weights import WrongWeight
@@ -66,6 +67,21 @@ def of_soles(found: Mapping[int, Soles]) -> list[Finding]:
 def of_imu(found: WrongMount | None) -> list[Finding]:
     """An IMU that is mounted otherwise than its frame says."""
     return [] if found is None else [Finding("FAIL", found.text, Fault.IMU)]
+
+
+def of_units(shoe: Shoe, found: Sequence[OtherUnit]) -> list[Finding]:
+    """Six-axis sensors that read in other units than the shoe file says."""
+    return [
+        Finding(
+            "FAIL",
+            f"{one.kind} look like {one.name}: a first fit gives "
+            f"{', '.join(shoe.names[channel] for channel in one.channels)} gains of about "
+            f"{one.size:.6g} times their nominal_gain; multiply the nominal_gain of all {one.kind} "
+            f"by {one.size:.6g} in the shoe file (or set 'scale' in the mapping of a CSV import)",
+            Fault.UNIT,
+        )
+        for one in found
+    ]
 
 
 def of_dead(shoe: Shoe, channels: Sequence[int]) -> list[Finding]:
