@@ -16,7 +16,7 @@ from shoecal_core.screening.pulled import Pull
 from shoecal_core.screening.result import LeftOut
 from shoecal_core.screening.saturated import Saturated
 from shoecal_core.screening.sideways import SidewaysFault
-from shoecal_core.screening.soles import Soles
+from shoecal_core.screening.soles import Soles, pooled
 from shoecal_core.screening.units import OtherUnit
 from shoecal_core.screening.unresponsive import Stuck
 from shoecal_core.screening.verdict import Finding
@@ -57,10 +57,10 @@ _CURES: Mapping[Fault, tuple[str, str]] = {
 
 
 def of_soles(found: Mapping[int, Soles]) -> list[Finding]:
-    """Runs whose soles are not level by the joint angles."""
+    """Runs whose soles are not level by the joint angles, those of one cause together."""
     return [
-        Finding("FAIL", f"run {run}: {soles.text}", Fault.JOINT_ZERO)
-        for run, soles in found.items()
+        Finding("FAIL", f"{_runs(runs)}: {soles.text}", Fault.JOINT_ZERO)
+        for runs, soles in pooled(found)
     ]
 
 

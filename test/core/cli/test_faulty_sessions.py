@@ -252,3 +252,24 @@ def test_a_converter_at_its_ceiling_is_one_line(
     assert lines[0].startswith("left/toe, left/heel_right, right/c are at the end of their range")
     assert "messages, at 16777215 V), where the converter goes no further: lower" in lines[0]
     assert "spikes" not in out
+
+
+@pytest.mark.parametrize(("sign", "zero"), [(-1.0, 0.0), (1.0, 0.4)])
+def test_a_joint_that_is_off_in_all_runs_is_one_sentence(
+    shoecal: Command, simulated: Path, tmp_path: Path, sign: float, zero: float
+) -> None:
+    names = Session.open(simulated).read(1).joints.names
+    knee = next(index for index, name in enumerate(names) if "knee" in name.lower())
+
+    def turned(run: Run) -> Run:
+        position = run.joints.position.copy()
+        position[:, knee] = sign * position[:, knee] + zero
+        return replace(run, joints=replace(run.joints, position=position))
+
+    session = rewritten(simulated, tmp_path / "s", turned)
+    for words in (("check", session), ("calibrate", session, *TRAIN, "--out", tmp_path / "c.yaml")):
+        code, out, error = shoecal(*words)
+        told = plain(out + error)
+        assert code == 1
+        assert "runs 1, 2, 3 and 4: " in told, told
+        assert told.count("a joint's ") == 1
