@@ -11,6 +11,7 @@ from shoecal_core.estimation.weight import Weighed
 from shoecal_core.robot.robot import Robot
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.units import FORCES, named_unit
 from shoecal_core.shoe.wrench import ChannelParameters
 
 NOMINAL_SHARE = 0.05
@@ -19,10 +20,7 @@ SHEET_SHARE, SHEET_STDS = 0.1, 2.0
 """A single gain is unlike its data sheet beyond this share and so many standard deviations."""
 CONFLICT_STDS = 5.0
 """Standard deviations, of what is believed of data sheets, beyond which a gain contradicts its."""
-UNITS = {
-    9.80665: "kgf or kg", 4.44822: "lbf or lb", 0.00980665: "gf or g", 1000.0: "kN", 0.001: "mN",
-    2.0: "mV/V of half a bridge", 0.5: "mV/V of two bridges",
-}  # fmt: skip
+UNITS = {**FORCES, 2.0: "mV/V of half a bridge", 0.5: "mV/V of two bridges"}
 """What readings are in that a gain so many times its data sheet's turns into newtons."""
 UNIT_SHARE, AGREEING = 0.06, 0.2
 """Shares by which the usual gain may be off such a ratio, and each gain off the usual one."""
@@ -90,9 +88,8 @@ def _likely(ratios: FloatArray) -> str:
     ratio = float(np.median(ratios))
     if np.abs(ratios / ratio - 1.0).max() > AGREEING:
         return ""
-    for factor, unit in UNITS.items():
-        if abs(ratio / factor - 1.0) < UNIT_SHARE:
-            return f": are the readings in {unit}?"
+    if unit := named_unit(ratio, UNITS, UNIT_SHARE):
+        return f": are the readings in {unit[1]}?"
     if not 1.0 / LARGEST_UNIT < ratio < LARGEST_UNIT:
         return ": are the readings counts of a converter?"
     return ""

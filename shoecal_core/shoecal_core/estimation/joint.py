@@ -84,7 +84,7 @@ def joint_calibration(
     try:
         return solve(train)
     except UnsettledError as error:
-        why = contradiction(solve, samples, train, signals)
+        why = contradiction(solve, samples, train, signals, tolerances)
         raise UnsettledError(f"the joint fit did not settle: {why}") from error
 
 

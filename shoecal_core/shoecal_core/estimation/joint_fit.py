@@ -198,7 +198,7 @@ def fit_jointly(
     )
     steps, initial_cost = 0, None
     for tolerance in (COARSE, SETTLED):
-        sample_std = _sample_std(signal_model, settings)
+        sample_std = sample_std_of(signal_model, settings)
         body = of_body(signal_model, tolerances)
         moved = np.inf
         while not moved < tolerance:  # nor where it is not a number
@@ -237,7 +237,7 @@ def _unsettled(moved: float) -> UnsettledError:
     )
 
 
-def _sample_std(signal_model: SignalModel, settings: SignalSettings) -> FloatArray:
+def sample_std_of(signal_model: SignalModel, settings: SignalSettings) -> FloatArray:
     """(s,) of the samples: sensor noise, and the form error as if each sample erred by itself.
 
     Samples within the correlation time err alike; each therefore counts by its share only.

@@ -161,6 +161,21 @@ class LinearSystem:
         more[np.ix_(shared, shared)] += normal[np.ix_(shared, shared)] - lost.T @ lost
         return Posterior(more, self.std**-2.0).covariance
 
+    def surprise(self, rows: FloatArray, target: FloatArray) -> float:
+        """Squares by which the least cost rises when more values are fitted, too.
+
+        With r what this system's solution leaves of them, and C its covariance, that is
+        r' (1 + rows' C rows)^-1 r: as many as there are values, where they agree with the rest.
+
+        Args:
+            rows: (u, m) what a unit of each unknown adds, whitened.
+            target: (m,) whitened values.
+        """
+        left = target - self.solution() @ rows
+        shown = rows @ left
+        with_them = Posterior(self._normal + rows @ rows.T, self.std**-2.0)
+        return float(left @ left - shown @ with_them.solve(shown))
+
     def cost(self, unknowns: FloatArray) -> float:
         """Sum of squares at these unknowns (u,), priors included."""
         left = self.target - unknowns @ self.rows

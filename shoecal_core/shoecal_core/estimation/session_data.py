@@ -190,7 +190,8 @@ def load_data(
             number: recorded[number] for number, run in read.items() if run.info.support is not None
         }
         late = time_offset(standing, shoe, robot.weight, settings)
-        rate = clock_rate(read, standing, shoe, robot.weight, settings)
+        starts = {number: run.start_ns / 1e9 for number, run in read.items()}
+        rate = clock_rate(starts, standing, shoe, robot.weight, settings)
         if late != 0.0:
             aligned = {}
             for number, run in read.items():

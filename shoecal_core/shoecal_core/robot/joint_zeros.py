@@ -36,6 +36,8 @@ BETTER = 0.5
 AS_GOOD, ALIKE = 1.5, 0.05
 """Joints whose correction leaves so many times the least misfit, and this, explain the soles as
 well."""
+SAME_RAD = 0.1
+"""Zeros that runs find of one joint are as far apart, at most."""
 MOST_NAMED = 3
 SAMPLES = 80
 """Samples that are looked at, evenly over all."""
@@ -66,6 +68,27 @@ class OpenLoop:
     def named(self) -> bool:
         """Whether a single joint explains it."""
         return bool(self.fits or self.reversed)
+
+    def with_another(self, other: OpenLoop) -> OpenLoop | None:
+        """Both as one, with the joints that explain both, larger gaps first; None where no joint
+        does, or one explains only one of them.
+        """
+        turned = tuple(name for name in self.reversed if name in other.reversed)
+        theirs = dict(other.fits)
+        fits = tuple(
+            (name, 0.5 * (size + theirs[name]))
+            for name, size in self.fits
+            if abs(size - theirs.get(name, np.inf)) < SAME_RAD
+        )
+        if bool(turned) != bool(self.reversed or other.reversed):
+            return None
+        if not turned and bool(fits) != bool(self.fits or other.fits):
+            return None
+        height, tilt, wander = (
+            max(getattr(one, name) for one in (self, other))
+            for name in ("height", "tilt", "wander")
+        )
+        return OpenLoop(height, tilt, wander, fits, turned)
 
     def text(self, *, loaded: bool) -> str:
         """What is seen, and the joint that explains it.

@@ -5,18 +5,22 @@ little of it, and the measured change follows the modelled one at once, or late.
     tau = sum (dC - dC_m) . dC_m' / sum dC_m' . dC_m'
 over all samples, dC being the change within some time; long times first, since they bear large
 offsets, then shorter ones, which are more exact.
+
+An offset that grows along a run, tau + s t, is a clock that runs fast or slow. It is fitted by
+    dC - dC_m = (tau + s t) dC_m' + M dC_m + a dC_m''
+with what gains that are not known yet (M) and the body's acceleration (a) do to the CoP. Where the
+clocks are not set between the runs, the runs' offsets grow by s, too, from the first to the last.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from shoecal_core.arrays import FloatArray
-from shoecal_core.recording.run import Run
 from shoecal_core.samples.aligned import MIN_SAMPLES, Aligned
 from shoecal_core.samples.filters import resampled, typical_period
 from shoecal_core.screening.blocks import blocks
@@ -39,10 +43,24 @@ standard deviations; the fit finds what is left."""
 LEFT_STD_S = 0.005
 """How far a corrected offset may still be off."""
 REWEIGHED = 5
-DRIFTS_S = 0.05
-"""Clocks of different rates are named from this drift within a run on."""
-CONFIRMED = 0.5
-"""Share of a clock's rate by which what the CoP shows of it may differ."""
+BLOCK_S = 2.0
+"""What a fit of changes leaves is independent of what it leaves so much later."""
+SLOPES = 7
+"""Unknowns of that fit."""
+BODY_DRIFT_S, BODY_OFFSET_S = 0.03, 0.03
+"""Standard deviations over healthy runs of how the offset drifts within one, of any length and
+common to a session, and of how it differs between them: gears and cells settle."""
+LEAST_RUNS = 4
+"""From which their offsets show whether they grow evenly."""
+STEP_FACTOR = 2.0
+"""Runs' offsets scatter about a line by so many times less than where they jump once."""
+UNKNOWN = (0.0, 1e3)
+"""A slope and its standard deviation where nothing shows it."""
+LARGEST_RATE = 0.03
+"""No clock is further off; a faster drift of the CoP has another cause."""
+RATE_STDS = 3.0
+"""Standard deviations from which a clock's rate is sure: 0.15 % in one run of a minute, 0.1 % in
+seven runs within two."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +83,7 @@ def time_offset(
     """
     if len(aligned) < 2:
         return 0.0
-    tracks = _tracks(aligned, shoe, weight, settings)
+    tracks = list(_tracks(aligned, shoe, weight, settings).values())
     if len(tracks) < 2:
         return 0.0
     late = _late(tracks)
@@ -75,7 +93,7 @@ def time_offset(
 
 
 def clock_rate(
-    runs: Mapping[int, Run],
+    starts: Mapping[int, float],
     aligned: Mapping[int, Aligned],
     shoe: Shoe,
     weight: float,
@@ -83,56 +101,144 @@ def clock_rate(
 ) -> float:
     """Share by which the readings' clock runs faster than the joints'; 0 where both run alike.
 
-    What was recorded together spans other times, and the CoP confirms it: from the first half of
-    each run to the second the joints get later, or earlier.
-
     Args:
-        runs: by number.
-        aligned: those in double support, by the stamps as they are.
+        starts: of the runs, by one clock [s].
+        aligned: runs in double support, by the stamps as they are.
         weight: of robot and shoes [N].
     """
-    spans = [
-        [float(np.ptp(one.time)) for one in (runs[run].readings, runs[run].joints)]
-        for run in aligned
-    ]
-    rate = float(np.median([mine / other - 1.0 for mine, other in spans])) if spans else 0.0
-    if not spans or abs(rate) * float(np.median(spans)) < DRIFTS_S:
-        return 0.0
-    shown = []
-    for track in _tracks(aligned, shoe, weight, settings):
-        first, second = _halves(track)
-        if min(len(first.time), len(second.time)) >= MIN_SAMPLES:
-            apart = float(second.time.mean() - first.time.mean())
-            shown.append((_late([first]) - _late([second])) / apart)
-    sure = bool(shown) and abs(float(np.median(shown)) - rate) < CONFIRMED * abs(rate)
-    return rate if sure else 0.0
+    tracks = _tracks(aligned, shoe, weight, settings) if aligned else {}
+    within = _within(list(tracks.values()))
+    between = _between(starts, tracks)
+    slope, std = within
+    if abs(between[0] - slope) < RATE_STDS * np.hypot(std, between[1]):
+        share = np.array([one[1] ** -2.0 for one in (within, between)])
+        slope = float(share @ (slope, between[0]) / share.sum())
+        std = float(share.sum() ** -0.5)
+    # Readings of a fast clock come later and later, so the joints earlier and earlier.
+    return -slope if RATE_STDS * std < abs(slope) < LARGEST_RATE else 0.0
 
 
-def _halves(track: CopTrack) -> tuple[CopTrack, CopTrack]:
-    """One run's first half and its second."""
-    early = track.time < 0.5 * (track.time[0] + track.time[-1])
-    first, second = (
-        CopTrack(track.time[part], track.measured[part], track.modelled[part])
-        for part in (early, ~early)
+def _within(tracks: Sequence[CopTrack]) -> tuple[float, float]:
+    """By how much the offset grows in a second within runs, and the standard deviation of that."""
+    drifts = [_drift(track) for track in tracks]
+    found = np.array([one for one in drifts if one is not None]).reshape(-1, 3)
+    if not len(found):
+        return UNKNOWN
+    slopes, own, spans = found.T
+    share = 1.0 / (own**2 + (BODY_DRIFT_S / spans) ** 2)
+    share_of = share / share.sum()
+    slope = float(share_of @ slopes)
+    scatter = float(share @ (slopes - slope) ** 2) / max(1, len(slopes) - 1)
+    unsure = np.sqrt(max(1.0, scatter) / share.sum())
+    return slope, float(np.hypot(unsure, BODY_DRIFT_S * (share_of @ (1.0 / spans))))
+
+
+def _between(starts: Mapping[int, float], tracks: Mapping[int, CopTrack]) -> tuple[float, float]:
+    """The same from run to run, by the median over all pairs of runs."""
+    if len(tracks) < LEAST_RUNS:
+        return UNKNOWN
+    late = np.array([_late([track]) for track in tracks.values()])
+    at = np.array([starts[run] + float(track.time.mean()) for run, track in tracks.items()])
+    at -= at.mean()
+    if np.ptp(at) < BLOCK_S or np.abs(late).max() >= LARGEST_S:
+        return UNKNOWN
+    first, second = np.triu_indices(len(at), 1)
+    apart = at[second] - at[first]
+    slope = float(np.median((late[second] - late[first])[apart != 0.0] / apart[apart != 0.0]))
+    scatter = float(spread((late - slope * at).reshape(-1, 1))[0])
+    return slope, max(STEP_FACTOR * scatter, BODY_OFFSET_S) / float(np.linalg.norm(at))
+
+
+def _drift(track: CopTrack) -> tuple[float, float, float] | None:
+    """By how much the offset of one run grows in a second, the standard deviation of that by the
+    scatter over blocks, and the run's length [s]; None of a run that is too short.
+    """
+    span = float(np.ptp(track.time))
+    if span < 2.0 * SLOPES * CHANGES_S[0]:
+        return None
+    late, slope = _late([track]), 0.0
+    for change in CHANGES_S:
+        rows, off, since = _equations(track, late, change, slope)
+        size = np.maximum(np.abs(rows).max(axis=0), 1e-30)
+        rows = rows / size
+        solution, weight = _reweighed(rows, off)
+        late, slope = late + float(solution[0] / size[0]), slope + float(solution[1] / size[1])
+    left = off - rows @ solution
+    normal = rows.T @ (weight[:, None] * rows) + _ridge(rows)
+    pull = rows @ np.linalg.inv(normal)[:, 1] / size[1]
+    block = np.floor((since - since.min()) / BLOCK_S).astype(np.int64)
+    pulled = np.bincount(block, weights=weight * pull * left)
+    # Offset and slope are fitted to the same blocks.
+    return slope, float(np.sqrt((pulled @ pulled) * len(pulled) / max(1, len(pulled) - 2))), span
+
+
+def _equations(
+    track: CopTrack, late: float, change: float, slope: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """(2K, 7) what changes along x, then along y, answer to: offset, its slope, the four of M, the
+    acceleration; (2K,) these changes; (2K,) their time since the middle of the run [s].
+    """
+    both, time = resampled(np.hstack((track.measured, track.modelled)), track.time)
+    period = typical_period(time)
+    count = max(1, round(change / period))
+    since = time - 0.5 * (time[0] + time[-1])
+    then = time + late + slope * since
+    modelled = np.stack([np.interp(then, time, axis) for axis in both[:, 2:].T], axis=1)
+    width = SMOOTHING * change / period
+    placed, expected = (gaussian_filter1d(one, width, axis=0) for one in (both[:, :2], modelled))
+    speed = np.gradient(expected, period, axis=0)
+    pace = np.gradient(speed, period, axis=0)
+    off, rate, moved, bend = (
+        np.asarray(one[count:] - one[:-count]) for one in (placed - expected, speed, expected, pace)
     )
-    return first, second
+    since = since[count:] - 0.5 * change
+    nothing = np.zeros_like(moved)
+    rows = [
+        np.column_stack((rate[:, axis], since * rate[:, axis], *own, bend[:, axis]))
+        for axis, own in enumerate(((moved, nothing), (nothing, moved)))
+    ]
+    return np.concatenate(rows), off.T.ravel(), np.tile(since, 2)
+
+
+def _reweighed(rows: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """(u,) solution of rows (K, u) for values (K,) that outliers do not pull, and weights (K,)."""
+    weight: FloatArray = np.ones(len(values))
+    solution: FloatArray = np.zeros(rows.shape[1])
+    for _ in range(REWEIGHED):
+        normal = rows.T @ (weight[:, None] * rows) + _ridge(rows)
+        solution = np.asarray(np.linalg.solve(normal, rows.T @ (weight * values)))
+        weight = _weights(values - rows @ solution)
+    return solution, weight
+
+
+def _ridge(rows: FloatArray) -> FloatArray:
+    """Added to a normal matrix of rows (K, u) of size one: what never moves stays where it is."""
+    return 1e-12 * len(rows) * np.eye(rows.shape[1])
+
+
+def _weights(left: FloatArray) -> FloatArray:
+    """Of values by what is left of them: little where that is unusually much."""
+    scale = 2.0 * float(spread(left.reshape(-1, 1))[0])
+    weights: FloatArray = 1.0 / (1.0 + (left / max(scale, 1e-12)) ** 2)
+    return weights
 
 
 def _tracks(
     aligned: Mapping[int, Aligned], shoe: Shoe, weight: float, settings: CalibrationSettings
-) -> list[CopTrack]:
+) -> dict[int, CopTrack]:
+    """By run."""
     parts = {run: blocks(one, shoe) for run, one in aligned.items()}
     information = prior(shoe, parts, weight, settings)
     rows = {run: equations(one, weight, settings) for run, one in parts.items()}
     parameters = solve(reweighed(rows, information), information).parameters
-    tracks = []
+    tracks = {}
     for run, one in aligned.items():
         wrench = parameters.outputs(one.readings) @ parts[run].columns + parts[run].base
         place = cop(wrench, MINIMUM_FORCE)
         there = np.isfinite(place).all(axis=1)
         # A run in which hardly a foot was loaded does not show the clocks' offset.
         if there.sum() >= MIN_SAMPLES:
-            tracks.append(CopTrack(one.time[there], place[there], one.states.cop[there, 0]))
+            tracks[run] = CopTrack(one.time[there], place[there], one.states.cop[there, 0])
     return tracks
 
 
@@ -154,9 +260,7 @@ def _step(tracks: list[CopTrack], late: float, change: float) -> float:
     step = 0.0
     for _ in range(REWEIGHED):
         step = float((weight * off * rate).sum() / max((weight * rate * rate).sum(), 1e-30))
-        left = off - step * rate
-        scale = 2.0 * float(spread(left.reshape(-1, 1))[0])
-        weight = 1.0 / (1.0 + (left / max(scale, 1e-12)) ** 2)
+        weight = _weights(off - step * rate)
     return step
 
 

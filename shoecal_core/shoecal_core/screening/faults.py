@@ -11,6 +11,7 @@ class Fault(Enum):
     UNREADABLE = "unreadable"
     JOINT_ZERO = "joint_zero"
     IMU = "imu"
+    UNIT = "unit"
     DEAD = "dead"
     STUCK = "stuck"
     SATURATED = "saturated"

@@ -16,7 +16,8 @@ from shoecal_core.screening.pulled import Pull, Wavering
 from shoecal_core.screening.result import LeftOut
 from shoecal_core.screening.saturated import Saturated
 from shoecal_core.screening.sideways import SidewaysFault
-from shoecal_core.screening.soles import Soles
+from shoecal_core.screening.soles import Soles, pooled
+from shoecal_core.screening.units import OtherUnit
 from shoecal_core.screening.unresponsive import Stuck
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.screening.weights import WrongWeight
@@ -56,16 +57,31 @@ _CURES: Mapping[Fault, tuple[str, str]] = {
 
 
 def of_soles(found: Mapping[int, Soles]) -> list[Finding]:
-    """Runs whose soles are not level by the joint angles."""
+    """Runs whose soles are not level by the joint angles, those of one cause together."""
     return [
-        Finding("FAIL", f"run {run}: {soles.text}", Fault.JOINT_ZERO)
-        for run, soles in found.items()
+        Finding("FAIL", f"{_runs(runs)}: {soles.text}", Fault.JOINT_ZERO)
+        for runs, soles in pooled(found)
     ]
 
 
 def of_imu(found: WrongMount | None) -> list[Finding]:
     """An IMU that is mounted otherwise than its frame says."""
     return [] if found is None else [Finding("FAIL", found.text, Fault.IMU)]
+
+
+def of_units(shoe: Shoe, found: Sequence[OtherUnit]) -> list[Finding]:
+    """Six-axis sensors that read in other units than the shoe file says."""
+    return [
+        Finding(
+            "FAIL",
+            f"{one.kind} look like {one.name}: a first fit gives "
+            f"{', '.join(shoe.names[channel] for channel in one.channels)} gains of about "
+            f"{one.size:.6g} times their nominal_gain; multiply the nominal_gain of all {one.kind} "
+            f"by {one.size:.6g} in the shoe file (or set 'scale' in the mapping of a CSV import)",
+            Fault.UNIT,
+        )
+        for one in found
+    ]
 
 
 def of_dead(shoe: Shoe, channels: Sequence[int]) -> list[Finding]:
@@ -405,14 +421,13 @@ def of_clock_rate(rate: float) -> list[Finding]:
     """A clock that runs faster than the other one, which no constant offset puts right."""
     if rate == 0.0:
         return []
-    fast, slow = ("readings", "joints") if rate > 0.0 else ("joints", "readings")
     return [
         Finding(
             "FAIL",
-            f"the clock of the {fast} runs fast by {abs(rate):.1%} against that of the {slow}, so "
-            "their stamps drift apart within each run: let both be stamped by one clock as they "
-            "come in, or correct the clock of the board (its crystal or its timer's divider), and "
-            "record again",
+            f"the shoe's clock runs {100.0 * abs(rate):.2g}% {'fast' if rate > 0.0 else 'slow'} "
+            "against the joints', so their stamps drift apart within each run: let both be stamped "
+            "by one clock as they come in, or correct the clock of the board (its crystal or its "
+            "timer's divider), and record again",
             Fault.LATE,
         )
     ]

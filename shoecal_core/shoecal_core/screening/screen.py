@@ -25,6 +25,7 @@ from shoecal_core.screening.saturated import at_ends_or_marked, ended
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.screening.soles import Soles
 from shoecal_core.screening.standing import screen_standing
+from shoecal_core.screening.units import other_units
 from shoecal_core.screening.unresponsive import dead, stuck, stuck_channels
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import Shoe
@@ -54,20 +55,26 @@ def screen(
     """
     runs, aligned = dict(sorted(runs.items())), dict(sorted(aligned.items()))
     found = Screening(
-        findings=tuple(of_clock_rate(clock_rate) or of_time_offset(time_offset)),
+        findings=() if clock_rate else tuple(of_time_offset(time_offset)),
         time_offset=time_offset,
         samples={number: len(run.readings.time) for number, run in runs.items()},
         left_out=_lost(runs, aligned, shoe),
     )
     if not runs:
         return found
-    found = found.adding(words.of_left_out(found.left_out) + _cells(runs, aligned, shoe))
-    found = found.adding(words.of_soles(soles or {}))
     double = {
         number: one for number, one in aligned.items() if runs[number].info.support is not None
     }
+    if not soles:  # else what the legs say of the CoP is wrong
+        found = found.adding(words.of_units(shoe, other_units(shoe, double, weight, settings)))
+    if found.fails:
+        return found
+    found = found.adding(words.of_left_out(found.left_out) + _cells(runs, aligned, shoe))
+    found = found.adding(words.of_soles(soles or {}))
     if not soles:  # else the legs say nothing about the IMU
         found = found.adding(words.of_imu(wrong_mount(runs, double)))
+    if not found.fails:  # else what the CoP shows of the clocks is that fault's
+        found = found.adding(of_clock_rate(clock_rate))
     if found.fails or not double:
         return found
     lifting = {

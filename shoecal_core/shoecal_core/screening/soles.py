@@ -34,6 +34,20 @@ class Soles:
         return self.loop.text(loaded=self.loaded)
 
 
+def pooled(found: Mapping[int, Soles]) -> list[tuple[tuple[int, ...], Soles]]:
+    """Runs that the same joints explain, as one, in the order of their first runs."""
+    groups: list[tuple[tuple[int, ...], Soles]] = []
+    for number, soles in sorted(found.items()):
+        for index, (runs, group) in enumerate(groups):
+            both = group.loop.with_another(soles.loop)
+            if both is not None and group.loaded == soles.loaded:
+                groups[index] = ((*runs, number), Soles(both, soles.loaded))
+                break
+        else:
+            groups.append(((number,), soles))
+    return groups
+
+
 def open_soles(
     runs: Mapping[int, Run], aligned: Mapping[int, Aligned], shoe: Shoe, kinematics: Kinematics
 ) -> dict[int, Soles]:

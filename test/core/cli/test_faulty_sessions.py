@@ -155,17 +155,30 @@ def test_readings_of_another_clock_are_put_right(
         assert "joints are early by" in out
 
 
-@pytest.mark.parametrize(("fast", "named"), [(0.012, "readings"), (-0.012, "joints")])
+@pytest.mark.parametrize("fast", [0.012, -0.012, 0.003, -0.003])
 def test_a_clock_that_runs_fast_is_named(
-    shoecal: Command, simulated: Path, tmp_path: Path, fast: float, named: str
+    shoecal: Command, simulated: Path, tmp_path: Path, fast: float
 ) -> None:
-    def stretched(run: Run) -> Run:
-        return replace(run, readings=replace(run.readings, time=run.readings.time * (1.0 + fast)))
+    """Nothing sets it between the runs, as no board's is."""
+    first = min(Session.open(simulated).read(number).start_ns for number in (1, 2, 3, 4))
 
-    code, out, _ = shoecal("check", rewritten(simulated, tmp_path / "s", stretched))
-    assert code != 0
-    assert f"the clock of the {named} runs fast by 1.2% against that of the" in plain(out)
-    assert "which is corrected in the fit" not in plain(out)
+    def stretched(run: Run) -> Run:
+        since = (run.start_ns - first) / 1e9
+        joints = replace(run.joints, time=run.joints.time + max(0.0, -fast) * since)
+        time = run.readings.time * (1.0 + fast) + max(0.0, fast) * since
+        return replace(run, joints=joints, readings=replace(run.readings, time=time))
+
+    session = rewritten(simulated, tmp_path / "s", stretched)
+    out = tmp_path / "calibration.yaml"
+    for words in (("check", session), ("calibrate", session, *TRAIN, "--out", out)):
+        code, printed, error = shoecal(*words)
+        told = plain(printed + error)
+        assert code == 1
+        found, way = told.split("the shoe's clock runs ")[1].split(" against")[0].split("% ")
+        assert float(found) == pytest.approx(100.0 * abs(fast), abs=0.2)
+        assert way == ("fast" if fast > 0.0 else "slow")
+        assert "which is corrected in the fit" not in told
+    assert not out.exists()
 
 
 def test_a_changed_shoe_file_is_refused_unless_forced(
@@ -239,3 +252,24 @@ def test_a_converter_at_its_ceiling_is_one_line(
     assert lines[0].startswith("left/toe, left/heel_right, right/c are at the end of their range")
     assert "messages, at 16777215 V), where the converter goes no further: lower" in lines[0]
     assert "spikes" not in out
+
+
+@pytest.mark.parametrize(("sign", "zero"), [(-1.0, 0.0), (1.0, 0.4)])
+def test_a_joint_that_is_off_in_all_runs_is_one_sentence(
+    shoecal: Command, simulated: Path, tmp_path: Path, sign: float, zero: float
+) -> None:
+    names = Session.open(simulated).read(1).joints.names
+    knee = next(index for index, name in enumerate(names) if "knee" in name.lower())
+
+    def turned(run: Run) -> Run:
+        position = run.joints.position.copy()
+        position[:, knee] = sign * position[:, knee] + zero
+        return replace(run, joints=replace(run.joints, position=position))
+
+    session = rewritten(simulated, tmp_path / "s", turned)
+    for words in (("check", session), ("calibrate", session, *TRAIN, "--out", tmp_path / "c.yaml")):
+        code, out, error = shoecal(*words)
+        told = plain(out + error)
+        assert code == 1
+        assert "runs 1, 2, 3 and 4: " in told, told
+        assert told.count("a joint's ") == 1

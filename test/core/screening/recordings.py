@@ -86,7 +86,12 @@ class Recording:
 
 
 def recording(
-    seed: int = 1, *, count: int = 3, noise: float = NOISE_N, shoe: str | Shoe = "nao_shoe"
+    seed: int = 1,
+    *,
+    count: int = 3,
+    noise: float = NOISE_N,
+    shoe: str | Shoe = "nao_shoe",
+    seconds: float = SECONDS,
 ) -> Recording:
     """A robot without fault on rigid shoes; its model is a little off, and slowly."""
     rng = np.random.default_rng(seed)
@@ -97,7 +102,7 @@ def recording(
         worn,
         parameters,
         {
-            number: _sway(worn, parameters, support, rng, noise)
+            number: _sway(worn, parameters, support, rng, noise, seconds)
             for number, support in enumerate(supports, start=1)
         },
     )
@@ -119,8 +124,9 @@ def _sway(
     support: DoubleSupport,
     rng: np.random.Generator,
     noise: float,
+    seconds: float,
 ) -> Aligned:
-    time = np.arange(round(SECONDS * RATE)) / RATE
+    time = np.arange(round(seconds * RATE)) / RATE
 
     def wave(size: float, period: float) -> FloatArray:
         pace, start = rng.uniform(0.8, 1.2) / period, rng.uniform(0.0, 2.0 * np.pi)
