@@ -10,7 +10,7 @@ readings fit much better than all else is named.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 
 import numpy as np
@@ -45,7 +45,7 @@ class WiringFaults:
     inverted: tuple[int, ...]
     swapped: tuple[tuple[int, int], ...]
     contradicting: tuple[tuple[int, int], ...] = ()
-    clear: bool = False
+    clear: bool = field(default=False, compare=False)
 
 
 def check_wiring(
