@@ -1,15 +1,18 @@
-"""A joint whose zero is far off, found by the soles of feet that stand on one floor.
+"""A joint that is far off, found by the soles of feet that stand on one floor.
 
 While both feet stand, the soles are level with each other and do not move against each other. A
 constant error of one joint between them tilts and lifts one sole, and makes it wander when the
 robot moves. The joint whose correction closes that loop is the one that is off; two joints may do
-so equally well, as both knees do where both legs bend alike.
+so equally well, as both knees do where both legs bend alike. A turned sign, two joints at each
+other's place and an encoder that fails close it as well, with no constant.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from itertools import combinations
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -43,6 +46,22 @@ SAMPLES = 80
 """Samples that are looked at, evenly over all."""
 REACH_RAD, STEP_RAD, LEAST_RAD = 1.4, 0.1, 2.0 * CLOSED_RAD
 """Errors that are looked for, the steps of the search, and the least one that is named."""
+CONSTANT_RAD, FINE_RAD = 1e-6, 0.02
+"""An encoder that fails changes by less; its joint's true angle is looked for in such steps."""
+
+
+class Law(Enum):
+    """What one joint, or two, may be but a constant error: in words, and what to do."""
+
+    SIGN = ("a joint's sign is turned (best fit: {} with the other sign)", "correct the sign")
+    EXCHANGED = (
+        "two joints are exchanged (best fit: {} at each other's place)",
+        "exchange their names or cables",
+    )
+    FROZEN = (
+        "an encoder fails (best fit: {} moves, and its recorded angle does not)",
+        "see to its encoder",
+    )
 
 
 @dataclass(frozen=True)
@@ -55,40 +74,42 @@ class OpenLoop:
         wander: how far one sole moves against the other [m].
         fits: joints and what is to be added to their angles [rad], the best first, each of which
             closes the loop alone; none where no single one does.
-        reversed: joints that close it alone with the other sign, better than any zero does.
+        law: what closes it better than any zero does; None where nothing does.
+        names: joints that do so by that law, the best first; of two, joined by `and`.
     """
 
     height: float
     tilt: float
     wander: float
     fits: tuple[tuple[str, float], ...]
-    reversed: tuple[str, ...] = ()
+    law: Law | None = None
+    names: tuple[str, ...] = ()
 
     @property
     def named(self) -> bool:
-        """Whether a single joint explains it."""
-        return bool(self.fits or self.reversed)
+        """Whether a joint explains it."""
+        return bool(self.fits or self.names)
 
     def with_another(self, other: OpenLoop) -> OpenLoop | None:
         """Both as one, with the joints that explain both, larger gaps first; None where no joint
         does, or one explains only one of them.
         """
-        turned = tuple(name for name in self.reversed if name in other.reversed)
         theirs = dict(other.fits)
+        names = tuple(name for name in self.names if name in other.names)
         fits = tuple(
             (name, 0.5 * (size + theirs[name]))
             for name, size in self.fits
             if abs(size - theirs.get(name, np.inf)) < SAME_RAD
         )
-        if bool(turned) != bool(self.reversed or other.reversed):
+        if self.law is not other.law or bool(names) != bool(self.law):
             return None
-        if not turned and bool(fits) != bool(self.fits or other.fits):
+        if self.law is None and bool(fits) != bool(self.fits or other.fits):
             return None
         height, tilt, wander = (
             max(getattr(one, name) for one in (self, other))
             for name in ("height", "tilt", "wander")
         )
-        return OpenLoop(height, tilt, wander, fits, turned)
+        return OpenLoop(height, tilt, wander, fits, self.law, names)
 
     def text(self, *, loaded: bool) -> str:
         """What is seen, and the joint that explains it.
@@ -104,12 +125,9 @@ class OpenLoop:
             if self.height > OPEN_M or self.tilt > OPEN_RAD
             else f"the soles move by {1e3 * self.wander:.0f} mm against each other{while_}: {so}"
         )
-        if self.reversed:
-            names = " or ".join(self.reversed)
-            return (
-                f"with {names} as recorded {seen}a joint's sign is turned (best fit: {names} with "
-                "the other sign); correct the sign and record again"
-            )
+        if self.law is not None:
+            names, (what, cure) = " or ".join(self.names), self.law.value
+            return f"with {names} as recorded {seen}{what.format(names)}; {cure} and record again"
         if not self.fits:
             return (
                 f"by the joint angles {seen}a joint's zero or sign, or a sole's frame in the robot "
@@ -140,10 +158,12 @@ def open_loop(kinematics: Kinematics, angles: FloatArray) -> OpenLoop | None:
     angles = angles[chosen]
     states = kinematics.states(angles)
     height, tilt = _off_level(states)
-    level = np.mean((height <= OPEN_M) & (tilt <= OPEN_RAD)) >= LEVEL_SHARE
+    share = float(np.mean((height <= OPEN_M) & (tilt <= OPEN_RAD)))
+    level = share >= LEVEL_SHARE
     low, high = np.percentile(states.translation[:, :2], [5.0, 95.0], axis=0)
     wander = float((high - low).max())
-    if level and wander <= WANDER_M:
+    constant = _constant(kinematics.robot, angles) if share < ALL_SHARE else []
+    if level and wander <= WANDER_M and not constant:
         return None
     found = []
     for group in _motors(kinematics.robot):
@@ -152,7 +172,7 @@ def open_loop(kinematics: Kinematics, angles: FloatArray) -> OpenLoop | None:
         misfit = error.misfit(size)
         if abs(size) < LEAST_RAD or misfit > BETTER * error.misfit(0.0):
             continue
-        if error.closes(size, ALL_SHARE if level else CLOSES_SHARE):
+        if _closed(error.states(size), ALL_SHARE if level else CLOSES_SHARE):
             found.append((misfit, kinematics.robot.joint_names[group[0][0]], size))
     found.sort()
     fits: dict[str, float] = {}
@@ -160,51 +180,95 @@ def open_loop(kinematics: Kinematics, angles: FloatArray) -> OpenLoop | None:
         if misfit <= AS_GOOD * found[0][0] + ALIKE:
             # A joint may be found alone and with its whole motor: the better one counts.
             fits.setdefault(name, size)
-    turned = _reversed(kinematics, angles, found[0][0] if found else np.inf)
-    if level and not (fits or turned):
+    law, names = _by_law(kinematics, angles, constant, found[0][0] if found else np.inf)
+    if level and not (fits or names):
         return None
     best = tuple(fits.items())[:MOST_NAMED]
-    return OpenLoop(float(np.median(height)), float(np.median(tilt)), wander, best, turned)
+    return OpenLoop(float(np.median(height)), float(np.median(tilt)), wander, best, law, names)
 
 
-def _reversed(kinematics: Kinematics, angles: FloatArray, least: float) -> tuple[str, ...]:
-    """Joints that close the loop with the other sign, and leave less than a misfit, the best first.
+def _by_law(
+    kinematics: Kinematics, angles: FloatArray, constant: Sequence[int], least: float
+) -> tuple[Law | None, tuple[str, ...]]:
+    """The law that closes the loop and leaves less than a misfit, and by which joints, the best
+    first.
 
     A sign that only makes up for a constant error is none: angles that hardly change have either.
     """
+    recorded = _misfit(kinematics.states(angles))
     found = []
-    for group in _motors(kinematics.robot):
-        error = _Error(kinematics, angles, group, sign=-1.0)
-        misfit = error.misfit(0.0)
-        as_recorded = replace(error, sign=1.0).misfit(0.0)
-        if misfit < BETTER * min(least, as_recorded) and error.closes(0.0, ALL_SHARE):
-            found.append((misfit, kinematics.robot.joint_names[group[0][0]]))
+    for law, name, changed in _by_laws(kinematics, angles, constant):
+        states = kinematics.states(changed)
+        misfit = _misfit(states)
+        if misfit < BETTER * min(least, recorded) and _closed(states, ALL_SHARE):
+            found.append((misfit, law.name, name))
+    if not found:
+        return None, ()
     found.sort()
-    near = [name for misfit, name in found if misfit <= AS_GOOD * found[0][0] + ALIKE]
-    return tuple(dict.fromkeys(near))[:MOST_NAMED]
+    best, law_name, _ = found[0]
+    near = [
+        name for misfit, own, name in found if own == law_name and misfit <= AS_GOOD * best + ALIKE
+    ]
+    return Law[law_name], tuple(dict.fromkeys(near))[:MOST_NAMED]
+
+
+def _by_laws(
+    kinematics: Kinematics, angles: FloatArray, constant: Sequence[int]
+) -> Iterator[tuple[Law, str, FloatArray]]:
+    """What may be, by which joints, and the angles (T, m) that then were [rad]."""
+    robot = kinematics.robot
+    names = robot.joint_names
+    for group in _motors(robot):
+        turned = angles.copy()
+        turned[:, [joint for joint, _ in group]] *= -1.0
+        yield Law.SIGN, names[group[0][0]], turned
+    for one, other in combinations(robot.between_feet, 2):
+        exchanged = angles.copy()
+        exchanged[:, [one, other]] = angles[:, [other, one]]
+        yield Law.EXCHANGED, f"{names[one]} and {names[other]}", exchanged
+    for joint in constant:
+        yield Law.FROZEN, names[joint], _moved(kinematics, angles, joint)
+
+
+def _constant(robot: Robot, angles: FloatArray) -> list[int]:
+    """Joints between the feet whose angles (T, m) never change while others do."""
+    between = list(robot.between_feet)
+    moved = np.ptp(angles[:, between], axis=0)
+    if moved.max(initial=0.0) < LEAST_RAD:
+        return []
+    return [joint for joint, own in zip(between, moved, strict=True) if own < CONSTANT_RAD]
+
+
+def _moved(kinematics: Kinematics, angles: FloatArray, joint: int) -> FloatArray:
+    """(T, m) angles with those of one joint that bring the soles nearest to level, each instant."""
+    sizes = np.arange(-REACH_RAD, REACH_RAD + 0.5 * FINE_RAD, FINE_RAD)
+    several = np.repeat(angles[:, None], len(sizes), axis=1)
+    several[:, :, joint] += sizes
+    height, tilt = _off_level(kinematics.states(several.reshape(-1, angles.shape[1])))
+    off = (height / CLOSED_M) ** 2 + (tilt / CLOSED_RAD) ** 2
+    moved = angles.copy()
+    moved[:, joint] += sizes[off.reshape(len(angles), -1).argmin(axis=1)]
+    return moved
 
 
 @dataclass(frozen=True)
 class _Error:
-    """One motor's constant error: joints by index, and how far each turns with it; their sign."""
+    """One motor's constant error: joints by index, and how far each turns with it."""
 
     kinematics: Kinematics
     angles: FloatArray
     group: Sequence[tuple[int, float]]
-    sign: float = 1.0
 
     def states(self, size: float) -> BodyStates:
+        """With a correction [rad]."""
         angles = self.angles.copy()
         for joint, ratio in self.group:
-            angles[:, joint] = self.sign * angles[:, joint] + ratio * size
+            angles[:, joint] += ratio * size
         return self.kinematics.states(angles)
 
     def misfit(self, size: float) -> float:
-        """Mean over all samples of how far the soles are from level and from standing still, in
-        tolerances; those in which a foot is lifted count little.
-        """
-        off = _residuals(self.states(size))
-        return float(np.mean(np.log1p(np.sum(off**2, axis=1))))
+        """What it leaves."""
+        return _misfit(self.states(size))
 
     def best(self) -> float:
         """The correction with the least misfit [rad]."""
@@ -213,10 +277,18 @@ class _Error:
         bounds = (start - STEP_RAD, start + STEP_RAD)
         return float(minimize_scalar(self.misfit, bounds=bounds, method="bounded").x)
 
-    def closes(self, size: float, share: float) -> bool:
-        """Whether the soles are then level and still, at this share of the samples."""
-        off = np.abs(_residuals(self.states(size)))
-        return bool(np.mean((off <= 1.0).all(axis=1)) >= share)
+
+def _misfit(states: BodyStates) -> float:
+    """Mean over all samples of how far the soles are from level and from standing still, in
+    tolerances; those in which a foot is lifted count little.
+    """
+    return float(np.mean(np.log1p(np.sum(_residuals(states) ** 2, axis=1))))
+
+
+def _closed(states: BodyStates, share: float) -> bool:
+    """Whether the soles are level and still, at this share of the samples."""
+    off = np.abs(_residuals(states))
+    return bool(np.mean((off <= 1.0).all(axis=1)) >= share)
 
 
 def _off_level(states: BodyStates) -> tuple[FloatArray, FloatArray]:

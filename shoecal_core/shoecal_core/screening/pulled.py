@@ -78,7 +78,8 @@ def wavering(
     It comes before cables are looked at: exchanged cells and turned signs take some of it.
 
     Args:
-        runs, watched, information, weight: as those of `pulls`.
+        runs, watched, weight: as those of `pulls`.
+        information: (2n,) prior, of gains and offsets.
     """
     off = {run: settings.force_std_n * _off(one, information) for run, one in runs.items()}
     so = [run for run, force in off.items() if np.sqrt((force**2).mean()) > WAVERS_SHARE * weight]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from shoecal_core.arrays import FloatArray
-from shoecal_core.robot.joint_zeros import OpenLoop, open_loop
+from shoecal_core.robot.joint_zeros import Law, OpenLoop, open_loop
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot
@@ -113,17 +113,55 @@ def test_a_joint_whose_sign_is_turned(nao: Kinematics, joint: str) -> None:
     angles = sway(nao.robot)
     angles[:, nao.robot.joint(joint)] *= -1.0
     loop = found(nao, angles)
-    assert loop.reversed == (joint,)
+    assert (loop.law, loop.names) == (Law.SIGN, (joint,))
     assert f"a joint's sign is turned (best fit: {joint} with the other sign)" in (
         loop.text(loaded=True)
     )
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [("LKneePitch", "LAnklePitch"), ("LHipPitch", "LHipRoll"), ("LKneePitch", "RAnklePitch")],
+)
+def test_two_joints_at_each_others_place(nao: Kinematics, one: str, other: str) -> None:
+    angles = sway(nao.robot)
+    places = [nao.robot.joint(one), nao.robot.joint(other)]
+    angles[:, places] = angles[:, places[::-1]]
+    loop = found(nao, angles)
+    assert loop.law is Law.EXCHANGED
+    assert {one, other} == set(loop.names[0].split(" and "))
+    assert "two joints are exchanged (best fit: " in loop.text(loaded=True)
+
+
+@pytest.mark.parametrize("joint", NAMES)
+def test_an_encoder_that_stays_where_it_is(nao: Kinematics, joint: str) -> None:
+    """It looks like a foot that is lifted now and then."""
+    angles = sway(nao.robot)
+    index = nao.robot.joint(joint)
+    angles[:, index] = np.median(angles[:, index])
+    loop = found(nao, angles)
+    assert (loop.law, loop.names) == (Law.FROZEN, (joint,))
+    assert f"{joint} moves, and its recorded angle does not" in loop.text(loaded=True)
+
+
+def test_runs_are_pooled_by_what_explains_them(nao: Kinematics) -> None:
+    angles = sway(nao.robot)
+    turned, again, frozen = angles.copy(), angles[::2].copy(), angles.copy()
+    for changed in (turned, again):
+        changed[:, nao.robot.joint("LKneePitch")] *= -1.0
+    frozen[:, nao.robot.joint("LKneePitch")] = nao.robot.posture[nao.robot.joint("LKneePitch")]
+    one = found(nao, turned)
+    both = one.with_another(found(nao, again))
+    assert both is not None
+    assert (both.law, both.names) == (one.law, one.names)
+    assert one.with_another(found(nao, frozen)) is None
 
 
 def test_a_sign_is_not_blamed_for_a_zero(nao: Kinematics) -> None:
     """Of a robot that stands still as well."""
     still = np.tile(nao.robot.posture, (5, 1))
     loop = found(nao, with_error(nao.robot, still, "LHipPitch", 0.4))
-    assert loop.reversed == ()
+    assert loop.law is None
     assert "LHipPitch" in dict(loop.fits)
 
 
