@@ -20,6 +20,7 @@ from shoecal_core.screening.soles import Soles, pooled
 from shoecal_core.screening.units import OtherUnit
 from shoecal_core.screening.unresponsive import Stuck
 from shoecal_core.screening.verdict import Finding
+from shoecal_core.screening.wandering import Wandering
 from shoecal_core.screening.weights import WrongWeight
 from shoecal_core.screening.wiring import WiringFaults, mirrored, of_feet
 from shoecal_core.screening.zeros import MovedZeros
@@ -229,10 +230,8 @@ def of_ends(shoe: Shoe, ends: BoolArray, readings: FloatArray) -> list[Finding]:
     return findings
 
 
-def of_zeros(shoe: Shoe, found: MovedZeros | None, weight: float) -> list[Finding]:
+def of_zeros(shoe: Shoe, found: MovedZeros, weight: float) -> list[Finding]:
     """Channels that were zeroed between the runs."""
-    if found is None:
-        return []
     tare = (
         "the cells were zeroed (tare) under load between the runs; take the tare out of the "
         "firmware (HX711 libraries do it in setup()), or keep the boards powered from the first "
@@ -281,6 +280,19 @@ def _runs(numbers: Sequence[int]) -> str:
     return f"runs {', '.join(others)} and {last}" if others else f"run {last}"
 
 
+def of_wandering(shoe: Shoe, found: Wandering) -> list[Finding]:
+    """A cell whose zero does not stay."""
+    return [
+        Finding(
+            "FAIL",
+            f"the zero of {shoe.names[found.channel]} wanders by {found.force:.1f} N between and "
+            "within the runs: look for water, a loose cable, or a cell that was overloaded; "
+            "replace it and record again",
+            Fault.MOVED_ZEROS,
+        )
+    ]
+
+
 def of_weights(found: Sequence[WrongWeight]) -> list[Finding]:
     """Runs under another weight; the last two together when it is unknown which is right."""
     if len(found) > 1 and found[-1].undecided:
@@ -309,10 +321,8 @@ def of_weights(found: Sequence[WrongWeight]) -> list[Finding]:
     ]
 
 
-def of_wavering(found: Wavering | None) -> list[Finding]:
+def of_wavering(found: Wavering) -> list[Finding]:
     """A vertical force that varies in most runs."""
-    if found is None:
-        return []
     vary = "vary" if found.runs[1:] else "varies"
     return [
         Finding(

@@ -22,7 +22,7 @@ from shoecal_core.screening.noise import noise
 from shoecal_core.screening.pulled import Pull, pulls, wavering
 from shoecal_core.screening.quasi_static import too_fast
 from shoecal_core.screening.result import LeftOut, Screening
-from shoecal_core.screening.rough_fit import equations, prior, reweighed, solve
+from shoecal_core.screening.rough_fit import Equations, equations, prior, reweighed, solve
 from shoecal_core.screening.saturated import (
     AT_END_STDS,
     Saturated,
@@ -32,6 +32,8 @@ from shoecal_core.screening.saturated import (
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.screening.sideways import sideways_fault
 from shoecal_core.screening.spikes import find_jumps
+from shoecal_core.screening.verdict import Finding
+from shoecal_core.screening.wandering import wandering
 from shoecal_core.screening.weights import wrong_weights
 from shoecal_core.screening.wiring import check_wiring
 from shoecal_core.screening.zeros import moved_zeros, starts, starts_at_zero
@@ -91,15 +93,10 @@ def screen_standing(
             words.of_wiring(shoe, wiring) if wiring.clear else words.of_wavering(wavers)
         )
     if several:
-        # First: zeros that move look like exchanged cables and like cells that stop.
         height = float(np.median([np.median(one.states.com[:, 0, 2]) for one in aligned.values()]))
-        at_zero = starts(parts)
-        tared = starts_at_zero(shoe, at_zero)
-        moved = moved_zeros(rows, information, weight, height, settings, tared, at_zero)
-        found = found.adding(words.of_zeros(shoe, moved, weight))
-    if several and not found.fails:
-        wiring = check_wiring(shoe, parts, information, weight, settings)
-        found = found.adding(words.of_wiring(shoe, wiring))
+        found = found.adding(
+            _zeros_or_cables(shoe, rows, parts, information, weight, height, settings)
+        )
     slow = {run: aligned[run] for run, lift in lifting.items() if lift is None and run not in fast}
     if not found.fails:
         found = found.adding(words.of_sideways(sideways_fault(shoe, slow, weight)))
@@ -139,6 +136,33 @@ def screen_standing(
         else:
             found = _leaving_out_all(found, run, one)
     return found
+
+
+def _zeros_or_cables(
+    shoe: Shoe,
+    rows: Mapping[int, Equations],
+    parts: Mapping[int, Blocks],
+    information: FloatArray,
+    weight: float,
+    height: float,
+    settings: CalibrationSettings,
+) -> list[Finding]:
+    """Zeros that moved, else cables: zeros look like exchanged cables and like cells that stop.
+
+    Args:
+        rows, parts: equations and blocks of each run.
+        information: (2n,) prior, of gains and offsets.
+        weight: of robot and shoes [N]. height: of the CoM over the floor [m].
+    """
+    at_zero = starts(parts)
+    tared = starts_at_zero(shoe, at_zero)
+    moved = moved_zeros(rows, information, weight, height, settings, tared, at_zero)
+    if moved is not None:
+        return words.of_zeros(shoe, moved, weight)
+    wanders = wandering(shoe, rows, parts, information, weight, settings)
+    if wanders is not None:
+        return words.of_wandering(shoe, wanders)
+    return words.of_wiring(shoe, check_wiring(shoe, parts, information, weight, settings))
 
 
 def _slipped(moments: Mapping[int, _Moments]) -> dict[int, Slipped]:

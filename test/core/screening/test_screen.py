@@ -25,7 +25,7 @@ from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.findings import of_wiring
 from shoecal_core.screening.result import Screening
 from shoecal_core.screening.screen import screen
-from shoecal_core.screening.wiring import WiringFaults, of_feet
+from shoecal_core.screening.wiring import WiringFaults, mirrored, of_feet
 
 Spoil = Callable[[Recording, np.random.Generator], Recording]
 
@@ -347,3 +347,17 @@ def test_exchanged_feet_are_told_in_one_line() -> None:
     (finding,) = of_wiring(shoe, WiringFaults((), tuple(of_feet(shoe))))
     assert finding.reason.startswith("left and right are exchanged")
     assert len(of_wiring(shoe, WiringFaults((), ((0, 4), (1, 5))))) == 2
+
+
+def test_feet_exchanged_as_in_a_mirror_are_told_in_one_line() -> None:
+    whole = recording(count=4)
+    pairs = mirrored(whole.shoe)
+    assert {whole.shoe.names[one] for one, _ in pairs} == {
+        name for name in whole.shoe.names if name.startswith("left/")
+    }
+    order = np.arange(len(whole.shoe.names))
+    for one, other in pairs:
+        order[[one, other]] = other, one
+    (finding,) = screened(whole.with_readings(lambda _, values: values[:, order])).findings
+    assert finding.fault is Fault.SWAPPED
+    assert finding.reason.startswith("left and right are exchanged as in a mirror")

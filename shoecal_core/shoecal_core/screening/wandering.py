@@ -1,0 +1,95 @@
+"""A cell whose zero wanders from run to run or within them: wet, overloaded, or loosely connected.
+
+Each run's equations get a zero of one channel of its own, and a drift of it:
+
+    sum_i A_i (g_i S_i + d_i) + A_k (z_r + v_r t) = w - b
+
+for every channel k in turn. The one whose wandering explains what the runs contradict each other
+and themselves by, and no other one nearly as well, is named.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from shoecal_core.arrays import FloatArray
+from shoecal_core.screening.blocks import Blocks
+from shoecal_core.screening.rough_fit import Equations, reweighed, solve
+from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.shoe.shoe import Shoe
+
+LEFT = 0.2
+"""Of the misfit, that the wandering of one channel may leave."""
+NEXT = 2.0
+"""Times what it leaves, that the wandering of any other leaves at least."""
+LEAST_SHARE = 0.03
+"""Part of the weight by which the zero has to wander: less is left to the joint fit."""
+
+
+@dataclass(frozen=True)
+class Wandering:
+    """A channel whose zero does not stay.
+
+    Attributes:
+        channel: index.
+        force: between its least and its largest zero [N].
+    """
+
+    channel: int
+    force: float
+
+
+def wandering(
+    shoe: Shoe,
+    runs: Mapping[int, Equations],
+    parts: Mapping[int, Blocks],
+    information: FloatArray,
+    weight: float,
+    settings: CalibrationSettings,
+) -> Wandering | None:
+    """The one-axis cell whose zero wanders; None where none does.
+
+    Args:
+        shoe: whose n channels they are.
+        runs, parts: equations and blocks of each run.
+        information: (2n,) prior, of gains and offsets.
+        weight: of robot and shoes [N].
+    """
+    runs = reweighed(runs, information)
+    none = solve(runs, information).cost
+    cells = [k for k, channel in enumerate(shoe.channels) if channel.column[0] == 1.0]
+    found = [(*_with_own(channel, runs, parts, information, weight), channel) for channel in cells]
+    if len(found) < 2:
+        return None
+    (best, force, channel), (second, _, _) = sorted(found)[:2]
+    least = max(LEAST_SHARE * weight, settings.force_std_n)
+    if force < least or best > LEFT * none or second < NEXT * best:
+        return None
+    return Wandering(channel, force)
+
+
+def _with_own(
+    channel: int,
+    runs: Mapping[int, Equations],
+    parts: Mapping[int, Blocks],
+    information: FloatArray,
+    weight: float,
+) -> tuple[float, float]:
+    """The misfit with zeros and drifts of one channel, and how far its zero then wanders [N]."""
+    count, own = 2 * len(runs), {}
+    changes: dict[int, FloatArray] = {}
+    for at, (run, one) in enumerate(runs.items()):
+        time = parts[run].time - parts[run].time[0]
+        courses = np.stack((np.ones(len(time)), time / max(float(time[-1]), 1e-9)), axis=1)
+        column = one.matrix[:, :, len(information) // 2 + channel, None]
+        columns = np.zeros((3, len(time), count))
+        columns[:, :, 2 * at : 2 * at + 2] = column * courses
+        own[run] = replace(one, matrix=np.concatenate((one.matrix, columns), axis=2))
+        changes[run] = courses
+    fit = solve(own, np.concatenate((information, np.full(count, weight**-2.0))))
+    extra = fit.vector[len(information) :].reshape(len(runs), 2)
+    course = np.concatenate([changes[run] @ own for run, own in zip(runs, extra, strict=True)])
+    return fit.cost, float(np.ptp(course))
