@@ -35,7 +35,7 @@ def test_a_file_that_is_cut_fails(monkeypatch: pytest.MonkeyPatch) -> None:
             for part in (text[:100], text[100:]):
                 file.write(part)
                 file.flush()
-                time.sleep(0.01)
+                time.sleep(0.05)
 
     monkeypatch.setattr(killed_saving, "save_calibration", write_slowly)
     found = killed_saving.ROW.run(0, 20, 1, lambda _: None)

@@ -315,6 +315,10 @@ def _require_supports(
     if len({stance.hanging for stance in stances} - {None}) == 2:
         return  # each foot stood alone
     distinct = count_distinct(stance.support for stance in double)
+    if distinct == 0 and found:
+        reasons = "; ".join(finding.reason for finding in found)
+        problem = f"none of the training runs can be used: {reasons}"
+        raise SessionError(session.folder, problem)
     if distinct < DISTINCT_SUPPORTS:
         reasons = "".join(f"; {finding.reason}" for finding in found)
         if walks(stances):

@@ -18,6 +18,7 @@ from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.estimation.series import errors, measured_series, modelled_series
 from shoecal_core.estimation.session_data import SessionData, load_data
 from shoecal_core.progress import Progress, no_progress
+from shoecal_core.recording.errors import SessionError
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.train_test import split_runs
 from shoecal_core.report.origin import origin
@@ -140,6 +141,10 @@ def do(job: DiagnosisRequest, progress: Progress = no_progress) -> Diagnosed:
         all_readable=False,
         progress=lambda text, share: progress(text, READ_TO * share),
     )
+    if data.problems and not data.runs.keys() & set(train):
+        reasons = "; ".join(dict.fromkeys(data.problems.values()))
+        problem = f"none of the training runs can be used: {reasons}"
+        raise SessionError(session.folder, problem)
     found = diagnose(
         session,
         train,

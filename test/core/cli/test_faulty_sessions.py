@@ -273,3 +273,32 @@ def test_a_joint_that_is_off_in_all_runs_is_one_sentence(
         assert code == 1
         assert "runs 1, 2, 3 and 4: " in told, told
         assert told.count("a joint's ") == 1
+
+
+def test_readings_that_come_too_seldom(shoecal: Command, simulated: Path, tmp_path: Path) -> None:
+    """Every command says how often they come, and what to set."""
+
+    def seldom(run: Run) -> Run:
+        readings = run.readings
+        kept = slice(None, None, round(readings.rate_hz))
+        return replace(
+            run,
+            readings=replace(
+                readings,
+                time=readings.time[kept],
+                value=readings.value[kept],
+                status=readings.status[kept],
+                sequence=readings.sequence[kept],
+                temperature=readings.temperature[kept],
+            ),
+        )
+
+    session = rewritten(simulated, tmp_path / "s", seldom)
+    told = "readings come 1.0 times a second: set the board to 10 times or more"
+    out = tmp_path / "calibration.yaml"
+    for words in (("check",), ("calibrate", "--out", out), ("diagnose", "--no-simulation")):
+        code, printed, error = shoecal(words[0], session, *words[1:])
+        assert code == 1
+        assert told in plain(printed + error)
+        assert "Traceback" not in error
+    assert not out.exists()
