@@ -8,6 +8,7 @@ import numpy as np
 
 from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.samples.stretches import list_stretches
+from shoecal_core.screening.carrying import MovingFoot
 from shoecal_core.screening.clocks import LARGEST_S
 from shoecal_core.screening.closure import Slipped
 from shoecal_core.screening.faults import Fault
@@ -63,6 +64,54 @@ def of_soles(found: Mapping[int, Soles]) -> list[Finding]:
         Finding("FAIL", f"{_runs(runs)}: {soles.text}", Fault.JOINT_ZERO)
         for runs, soles in pooled(found)
     ]
+
+
+def of_moving_feet(found: Mapping[int, MovingFoot]) -> list[Finding]:
+    """Walks in which the foot that carries does not stay; those of one cause together."""
+    runs: dict[str, list[int]] = {}
+    for number, one in sorted(found.items()):
+        runs.setdefault(_why_it_moves(one), []).append(number)
+    findings = []
+    for why, numbers in runs.items():
+        speed = max(found[number].speed for number in numbers)
+        tilt = max(found[number].tilt for number in numbers)
+        text = (
+            f"{_runs(numbers)}: by base pose and joint angles the foot that carries the robot "
+            f"alone moves by {speed:.2f} m/s and leans by {np.degrees(tilt):.0f} degrees (medians; "
+            f"it should stand still and flat): {why}"
+        )
+        fault = Fault.SWAPPED if found[numbers[0]].exchanged else Fault.BASE_POSE
+        findings.append(Finding("FAIL", text, fault))
+    return findings
+
+
+def _why_it_moves(one: MovingFoot) -> str:
+    """The cause of a foot that moves while it carries, and the cure."""
+    if one.frozen:
+        return (
+            "the recorded base pose never changes; record the pose that the state estimator or "
+            "motion capture gives while the robot walks"
+        )
+    if one.exchanged and one.upwards:
+        return (
+            "the other foot does instead, so left and right are exchanged; exchange their plugs, "
+            "their topics, or feet.*.link in the robot file, and record again"
+        )
+    if one.exchanged:
+        return (
+            "the other foot does instead, and forces are negative, so both vertical forces are "
+            "inverted; turn their 'polarity' in the shoe file round"
+        )
+    if one.late_s:
+        return (
+            f"it would with the base pose {1e3 * abs(one.late_s):.0f} ms "
+            f"{'earlier' if one.late_s > 0.0 else 'later'}; let base pose and joints be stamped "
+            "when they are sampled, by one clock"
+        )
+    return (
+        "check the base pose (that it is the pose of the URDF's root link in a frame with z up, in "
+        "m, its angles' order and unit), then signs and zeros of the leg joints"
+    )
 
 
 def of_imu(found: WrongMount | None) -> list[Finding]:
