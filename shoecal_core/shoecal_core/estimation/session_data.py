@@ -29,6 +29,7 @@ from shoecal_core.samples.sampling import make_samples
 from shoecal_core.samples.settings import SampleSettings
 from shoecal_core.samples.stance import Stance
 from shoecal_core.samples.zeros import Zero
+from shoecal_core.screening.carrying import MovingFoot, moving_feet
 from shoecal_core.screening.clocks import clock_rate, time_offset
 from shoecal_core.screening.extract import stances_of, zeros_of
 from shoecal_core.screening.result import Screening
@@ -185,6 +186,7 @@ def load_data(
     loaded = {number: run for number, run in read.items() if not run.info.hanging}
     aligned, screening = recorded, Screening()
     soles: dict[int, Soles] = {}
+    moving: dict[int, MovingFoot] = {}
     if settings is not None:
         standing = {
             number: recorded[number] for number, run in read.items() if run.info.support is not None
@@ -200,11 +202,12 @@ def load_data(
             read, loaded = ({n: runs[n] for n in aligned} for runs in (read, loaded))
         there = {number: aligned[number] for number in loaded}
         soles = open_soles(loaded, there, shoe, kinematics)
-        screening = screen(loaded, there, shoe, robot.weight, settings, late, soles, rate)
+        moving = moving_feet(loaded, there, shoe, robot)
+        screening = screen(loaded, there, shoe, robot.weight, settings, late, soles, rate, moving)
     stances: dict[int, tuple[Stance, ...]] = dict.fromkeys(read, ())
     zeros: list[Zero] = []
     for number, run in read.items():
-        if soles:
+        if soles or moving:
             # The screening refuses them; what joint angles say of such a robot is wrong.
             break
         with noting(problems, number):

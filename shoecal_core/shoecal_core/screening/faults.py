@@ -10,6 +10,7 @@ class Fault(Enum):
 
     UNREADABLE = "unreadable"
     JOINT_ZERO = "joint_zero"
+    BASE_POSE = "base_pose"
     IMU = "imu"
     UNIT = "unit"
     DEAD = "dead"

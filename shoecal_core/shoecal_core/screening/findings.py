@@ -8,6 +8,7 @@ import numpy as np
 
 from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.samples.stretches import list_stretches
+from shoecal_core.screening.carrying import MovingFoot
 from shoecal_core.screening.clocks import LARGEST_S
 from shoecal_core.screening.closure import Slipped
 from shoecal_core.screening.faults import Fault
@@ -63,6 +64,54 @@ def of_soles(found: Mapping[int, Soles]) -> list[Finding]:
         Finding("FAIL", f"{_runs(runs)}: {soles.text}", Fault.JOINT_ZERO)
         for runs, soles in pooled(found)
     ]
+
+
+def of_moving_feet(found: Mapping[int, MovingFoot]) -> list[Finding]:
+    """Walks in which the foot that carries does not stay; those of one cause together."""
+    runs: dict[str, list[int]] = {}
+    for number, one in sorted(found.items()):
+        runs.setdefault(_why_it_moves(one), []).append(number)
+    findings = []
+    for why, numbers in runs.items():
+        speed = max(found[number].speed for number in numbers)
+        tilt = max(found[number].tilt for number in numbers)
+        text = (
+            f"{_runs(numbers)}: by base pose and joint angles the foot that carries the robot "
+            f"alone moves by {speed:.2f} m/s and leans by {np.degrees(tilt):.0f} degrees (medians; "
+            f"it should stand still and flat): {why}"
+        )
+        fault = Fault.SWAPPED if found[numbers[0]].exchanged else Fault.BASE_POSE
+        findings.append(Finding("FAIL", text, fault))
+    return findings
+
+
+def _why_it_moves(one: MovingFoot) -> str:
+    """The cause of a foot that moves while it carries, and the cure."""
+    if one.frozen:
+        return (
+            "the recorded base pose never changes; record the pose that the state estimator or "
+            "motion capture gives while the robot walks"
+        )
+    if one.exchanged and one.upwards:
+        return (
+            "the other foot does instead, so left and right are exchanged; exchange their plugs, "
+            "their topics, or feet.*.link in the robot file, and record again"
+        )
+    if one.exchanged:
+        return (
+            "the other foot does instead, and forces are negative, so both vertical forces are "
+            "inverted; turn their 'polarity' in the shoe file round"
+        )
+    if one.late_s:
+        return (
+            f"it would with the base pose {1e3 * abs(one.late_s):.0f} ms "
+            f"{'earlier' if one.late_s > 0.0 else 'later'}; let base pose and joints be stamped "
+            "when they are sampled, by one clock"
+        )
+    return (
+        "check the base pose (that it is the pose of the URDF's root link in a frame with z up, in "
+        "m, its angles' order and unit), then signs and zeros of the leg joints"
+    )
 
 
 def of_imu(found: WrongMount | None) -> list[Finding]:
@@ -136,7 +185,10 @@ def of_wiring(shoe: Shoe, wiring: WiringFaults) -> list[Finding]:
                 Fault.SWAPPED,
             )
         ]
-    findings = [
+    frames = _turned_frames(shoe, wiring)
+    known = {channel for _, channels in frames for channel in channels}
+    findings = [Finding("FAIL", text, Fault.INVERTED) for text, _ in frames]
+    findings += [
         Finding(
             "FAIL",
             f"{shoe.names[one]} and {shoe.names[other]} are swapped: what comes as one fits the "
@@ -144,6 +196,7 @@ def of_wiring(shoe: Shoe, wiring: WiringFaults) -> list[Finding]:
             Fault.SWAPPED,
         )
         for one, other in wiring.swapped
+        if one not in known
     ]
     findings += [
         Finding(
@@ -164,7 +217,59 @@ def of_wiring(shoe: Shoe, wiring: WiringFaults) -> list[Finding]:
             Fault.INVERTED,
         )
         for channel in wiring.inverted
+        if channel not in known
     ]
+
+
+def _turned_frames(shoe: Shoe, wiring: WiringFaults) -> list[tuple[str, tuple[int, ...]]]:
+    """Six-axis sensors of which several axes are wrong as in a frame that is turned as a whole.
+
+    Each in words, with the channels that it explains. Sideways forces are not judged: of both feet
+    turned alike they cancel, and who corrects only what was named leaves them wrong.
+    """
+    alike: dict[tuple[str, str], dict[str, tuple[int, ...]]] = {}
+    for foot in FEET:
+        axes = {axis: f"{foot}/{axis}" for axis in ("fz", "mx", "my")}
+        if not set(axes.values()) <= set(shoe.names):
+            continue
+        at = {axis: shoe.index(name) for axis, name in axes.items()}
+        swapped = (min(at["mx"], at["my"]), max(at["mx"], at["my"])) in wiring.swapped
+        inverted = tuple(axis for axis, index in at.items() if index in wiring.inverted)
+        how = _TURNED.get((swapped, inverted))
+        if how is not None:
+            wrong = sorted({*inverted, *(("mx", "my") if swapped else ())})
+            channels = tuple(at[axis] for axis in wrong)
+            alike.setdefault((", ".join(wrong), how), {})[foot] = channels
+    found = list[tuple[str, tuple[int, ...]]]()
+    for (listed, how), feet in alike.items():
+        text = (
+            f"several axes of the {' and '.join(feet)} foot's sensor are wrong ({listed}), as if "
+            f"{how}; correct the sensor's frame at its driver, or names and 'polarity' of all its "
+            "axes in the shoe file, and push the standing robot forward and to the left to see fx "
+            "and fy"
+        )
+        found.append((text, tuple(one for channels in feet.values() for one in channels)))
+    return found
+
+
+_QUARTER = (
+    "its frame were turned by 90 degrees about z, and then fx and fy are exchanged and one of them "
+    "is reversed, too"
+)
+_TURNED: Mapping[tuple[bool, tuple[str, ...]], str] = {
+    (True, ("mx",)): _QUARTER,
+    (True, ("my",)): _QUARTER,
+    (False, ("mx", "my")): (
+        "its frame were turned by 180 degrees about z, and then fx and fy are reversed, too"
+    ),
+    (False, ("fz", "my")): "its z pointed down, turned about x, and then fy is reversed, too",
+    (False, ("fz", "mx")): "its z pointed down, turned about y, and then fx is reversed, too",
+    (False, ("fz", "mx", "my")): (
+        "it gave what the foot presses on the floor instead of what the floor presses on the "
+        "foot, and then fx and fy are reversed, too"
+    ),
+}
+"""What is inverted, and whether the moments are swapped, where the whole frame is turned."""
 
 
 def of_sideways(found: SidewaysFault | None) -> list[Finding]:

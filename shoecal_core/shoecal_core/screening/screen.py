@@ -16,6 +16,7 @@ from shoecal_core.samples.lifting import detect_lifted_foot
 from shoecal_core.samples.stretches import JOIN_S, stretches
 from shoecal_core.screening import findings as words
 from shoecal_core.screening.blocks import blocks
+from shoecal_core.screening.carrying import MovingFoot
 from shoecal_core.screening.disturbed import FAST_MOTIONS
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.findings import of_clock_rate, of_time_offset
@@ -40,6 +41,7 @@ def screen(
     time_offset: float = 0.0,
     soles: Mapping[int, Soles] | None = None,
     clock_rate: float = 0.0,
+    moving: Mapping[int, MovingFoot] | None = None,
 ) -> Screening:
     """Look for every fault.
 
@@ -52,6 +54,7 @@ def screen(
         time_offset: by which the joints were late before they were aligned [s].
         soles: that are not level, by run.
         clock_rate: by which the readings' clock runs faster than the joints', as a share.
+        moving: feet that do not stay while they carry a walking robot, by run.
     """
     runs, aligned = dict(sorted(runs.items())), dict(sorted(aligned.items()))
     found = Screening(
@@ -71,6 +74,8 @@ def screen(
         return found
     found = found.adding(words.of_left_out(found.left_out) + _cells(runs, aligned, shoe))
     found = found.adding(words.of_soles(soles or {}))
+    if not found.fails:  # else a dead foot seems to carry never or always
+        found = found.adding(words.of_moving_feet(moving or {}))
     if not soles:  # else the legs say nothing about the IMU
         found = found.adding(words.of_imu(wrong_mount(runs, double)))
     if not found.fails:  # else what the CoP shows of the clocks is that fault's

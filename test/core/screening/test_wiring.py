@@ -150,3 +150,34 @@ def test_sideways_axes_that_agree_are_not_blamed(seed: int) -> None:
             turned = SHOE.index(f"{foot}/{axis}")
             whole = whole.with_channel(turned, lambda _, values: -values)
         assert wiring(whole) == WiringFaults((), ())
+
+
+@pytest.mark.parametrize(
+    ("swapped", "inverted", "words"),
+    [
+        (True, ("mx",), "turned by 90 degrees about z"),
+        (False, ("mx", "my"), "turned by 180 degrees about z"),
+        (False, ("fz", "my"), "z pointed down, turned about x"),
+        (False, ("fz", "mx", "my"), "what the foot presses on the floor"),
+    ],
+)
+def test_a_sensor_turned_as_a_whole_is_one_line(
+    swapped: bool, inverted: tuple[str, ...], words: str
+) -> None:
+    shoe = made([*six_axis(0, [0.0, 0.0, 0.03]), *six_axis(1, [0.0, 0.0, 0.03])])
+    at = {axis: shoe.index(f"left/{axis}") for axis in ("fz", "mx", "my")}
+    pairs = ((at["mx"], at["my"]),) if swapped else ()
+    right = shoe.index("right/mx")
+    found = of_wiring(shoe, WiringFaults((*(at[axis] for axis in inverted), right), pairs))
+    whole, single = (finding.reason for finding in found)
+    assert words in whole
+    assert "left foot's sensor" in whole
+    assert "fx" in whole or "fy" in whole
+    assert single.startswith("right/mx is inverted")
+
+
+def test_both_feet_turned_alike_are_one_line() -> None:
+    shoe = made([*six_axis(0, [0.0, 0.0, 0.03]), *six_axis(1, [0.0, 0.0, 0.03])])
+    moments = tuple(i for i in range(len(shoe.names)) if shoe.torque[i])
+    (finding,) = of_wiring(shoe, WiringFaults(moments, ()))
+    assert "left and right foot's sensor" in finding.reason
