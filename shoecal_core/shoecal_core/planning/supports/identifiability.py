@@ -23,6 +23,8 @@ from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.directions import describe_direction
 from shoecal_core.shoe.shoe import Shoe
 
+NEXT_STEPS = 1.0
+"""Of the range, by which double supports next to each other differ at most in each direction."""
 CANDIDATES = 200
 """Double supports looked at for the best to add: with more the best hardly gets better."""
 
@@ -141,8 +143,16 @@ def best_addition(
     seen = observable(reference_information(robot, shoe, settings.training_supports, settings))
     known = known + prior_information(robot, shoe)
     scores = np.linalg.eigvalsh(seen.T @ (known + parts) @ seen)[:, 0]
-    best = (supports[int(index)] for index in np.argsort(-scores))
-    return next((support for support in best if feasible.can_stand(support)), None)
+    places = np.array([(one.dx, one.dy, one.dtheta) for one in supports]) / robot.support_range.step
+    tried = np.zeros((0, 3))
+    for index in np.argsort(-scores):
+        # The best are the widest, most of them out of reach, and so are those next to these.
+        if np.all(np.abs(tried - places[index]) <= NEXT_STEPS, axis=1).any():
+            continue
+        if feasible.can_stand(supports[index]):
+            return supports[index]
+        tried = np.vstack((tried, places[index]))
+    return None
 
 
 def _deviations(values: FloatArray, size: float) -> FloatArray:
