@@ -179,12 +179,14 @@ class RollingHorizon:
     def step(self, problem: HorizonProblem, guess: FloatArray) -> HorizonSolution:
         """One optimisation; of unconverged ones the least violated.
 
-        Every solver starts from `guess` (N, k) [rad] and, failing that, from standing still.
+        Every solver starts from `guess` (N, k) [rad] and, failing that, from standing still where
+        that is another one.
         """
         still = np.tile(problem.start, (self.collocation.settings.horizon, 1))
+        begins = (guess,) if np.array_equal(guess, still) else (guess, still)
         found: list[HorizonSolution] = []
         for solver in self._solvers:
-            for begin in (guess, still):
+            for begin in begins:
                 found.append(self._tried(solver, problem, begin))
                 if found[-1].converged:
                     return found[-1]

@@ -116,11 +116,17 @@ def test_an_impossible_problem_is_not_called_solved(body: Body, fast: SqpSolver)
 
 
 def test_a_way_that_ends_nowhere(nao: Body, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Near an optimum all states are moved onto all constraints; elsewhere it is a failure."""
+    """Near an optimum, or far from the guess, all states are moved onto all constraints; elsewhere
+    it is a failure.
+    """
     problem, guess = problems(nao)[1]
     solver = SqpSolver(Collocation(nao.legs, SETTINGS))
     best = solver.solve(problem, guess)
     monkeypatch.setattr(sqp, "_ITERATIONS", 1)
+    won = solver.solve(problem, guess)
+    assert won.status == "Solved_Nearly"
+    assert won.violation < 1e-7
+    monkeypatch.setattr(sqp, "_WON", 1.0)
     assert solver.solve(problem, guess).status == "No_Progress"
     assert not solver.solve(problem, guess).converged
     monkeypatch.setattr(sqp, "_ITERATIONS", best.iterations - 1)
