@@ -31,9 +31,9 @@ _OPTIMAL = 1e-7
 _FEASIBLE = 1e-8
 """m, rad, N m; a smaller violation is none."""
 _NEARLY, _WON = 0.05, 0.1
-"""Of the cost: where less is left to gain, or more was won, a way that ends nowhere ends near enough
-to an optimum for the few states that are taken of it. IPOPT hardly ever gets further: of 34 such
-problems of a robot on one foot it solved none, in two seconds each."""
+"""Of the cost: where less is left to gain, or more was won, a way that ends nowhere ends near
+enough to an optimum for the few states that are taken of it. IPOPT hardly ever gets further: of 34
+such problems of a robot on one foot it solved none, in two seconds each."""
 _STEP = 1e-4
 """rad; a shorter step is none."""
 _SHORT = 1e-3
