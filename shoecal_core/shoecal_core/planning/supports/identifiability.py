@@ -136,7 +136,7 @@ def best_addition(
     feasible = Feasible(robot, settings)
     everywhere = feasible.apart()
     kept = np.random.default_rng(0).permutation(len(everywhere))[:CANDIDATES]
-    supports = [everywhere[index] for index in sorted(kept.tolist())]
+    supports: list[DoubleSupport] = [everywhere[index] for index in sorted(kept.tolist())]
     parts = np.array(
         [information(robot, shoe, Visit.expected(robot, support, settings)) for support in supports]
     )
@@ -145,7 +145,7 @@ def best_addition(
     scores = np.linalg.eigvalsh(seen.T @ (known + parts) @ seen)[:, 0]
     places = np.array([(one.dx, one.dy, one.dtheta) for one in supports]) / robot.support_range.step
     tried = np.zeros((0, 3))
-    for index in map(int, np.argsort(-scores)):
+    for index in np.argsort(-scores):
         # The best are the widest, most of them out of reach, and so are those next to these.
         if np.all(np.abs(tried - places[index]) <= NEXT_STEPS, axis=1).any():
             continue
