@@ -136,7 +136,7 @@ def best_addition(
     feasible = Feasible(robot, settings)
     everywhere = feasible.apart()
     kept = np.random.default_rng(0).permutation(len(everywhere))[:CANDIDATES]
-    supports: list[DoubleSupport] = [everywhere[index] for index in sorted(kept.tolist())]
+    supports = [everywhere[index] for index in sorted(kept.tolist())]
     parts = np.array(
         [information(robot, shoe, Visit.expected(robot, support, settings)) for support in supports]
     )
@@ -145,12 +145,13 @@ def best_addition(
     scores = np.linalg.eigvalsh(seen.T @ (known + parts) @ seen)[:, 0]
     places = np.array([(one.dx, one.dy, one.dtheta) for one in supports]) / robot.support_range.step
     tried = np.zeros((0, 3))
-    for index in np.argsort(-scores):
+    for index in np.argsort(-scores).tolist():
+        support: DoubleSupport = supports[index]
         # The best are the widest, most of them out of reach, and so are those next to these.
         if np.all(np.abs(tried - places[index]) <= NEXT_STEPS, axis=1).any():
             continue
-        if feasible.can_stand(supports[index]):
-            return supports[index]
+        if feasible.can_stand(support):
+            return support
         tried = np.vstack((tried, places[index]))
     return None
 
