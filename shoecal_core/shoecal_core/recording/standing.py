@@ -49,7 +49,7 @@ class Feet:
             stand: the feet are known to stand; else what only their motion may explain is left out.
         """
         loop = self.loop
-        if loop is None or not (loop.named or stand or not self.moves):
+        if loop is None or not (loop.named(loaded=self.loaded) or stand or not self.moves):
             return ""
         return loop.text(loaded=self.loaded)
 

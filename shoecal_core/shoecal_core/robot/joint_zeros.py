@@ -85,10 +85,14 @@ class OpenLoop:
     law: Law | None = None
     names: tuple[str, ...] = ()
 
-    @property
-    def named(self) -> bool:
-        """Whether a joint explains it."""
-        return bool(self.fits or self.names)
+    def named(self, *, loaded: bool) -> bool:
+        """Whether a joint explains it.
+
+        Args:
+            loaded: both feet are known to carry load; else a leg that swings about one joint looks
+                as if the encoder of another one stood still.
+        """
+        return bool(self.fits or (self.names and (loaded or self.law is not Law.FROZEN)))
 
     def with_another(self, other: OpenLoop) -> OpenLoop | None:
         """Both as one, with the joints that explain both, larger gaps first; None where no joint

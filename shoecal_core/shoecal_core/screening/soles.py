@@ -65,6 +65,8 @@ def open_soles(
         both = both_carry_load(shoe, one.readings)
         loaded = both is not None and bool(both.any())
         loop = open_loop(kinematics, one.joint_angles[both] if loaded else one.joint_angles)
-        if loop is not None and (loop.named or (loaded and run.info.support is not None)):
+        if loop is not None and (
+            loop.named(loaded=loaded) or (loaded and run.info.support is not None)
+        ):
             found[number] = Soles(loop, loaded)
     return found

@@ -144,6 +144,16 @@ def test_an_encoder_that_stays_where_it_is(nao: Kinematics, joint: str) -> None:
     assert f"{joint} moves, and its recorded angle does not" in loop.text(loaded=True)
 
 
+def test_of_feet_that_may_swing_no_encoder_is_blamed(nao: Kinematics) -> None:
+    """A leg that swings about one joint brings its sole where another joint would keep it."""
+    angles = sway(nao.robot)
+    index = nao.robot.joint("LAnklePitch")
+    angles[:, index] = np.median(angles[:, index])
+    loop = found(nao, angles)
+    assert loop.named(loaded=True)
+    assert not loop.named(loaded=False)
+
+
 def test_runs_are_pooled_by_what_explains_them(nao: Kinematics) -> None:
     angles = sway(nao.robot)
     turned, again, frozen = angles.copy(), angles[::2].copy(), angles.copy()
