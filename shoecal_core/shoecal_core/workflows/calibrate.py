@@ -28,6 +28,7 @@ from shoecal_core.estimation.checks import (
     check_expected,
     check_gains,
     check_missing,
+    check_robot,
     check_since,
     check_soles,
     check_zeros,
@@ -365,9 +366,11 @@ def _check_sheets(
     if conflict := check_conflict(data.shoe, gains, fit.alone, settings.nominal_gain_std):
         return conflict
     gain_std = np.sqrt(np.diag(assessment.covariance)[: len(data.shoe.names)])
-    found = check_soles(data.shoe, () if fit.joint is None else fit.joint.deviations)
+    deviations = () if fit.joint is None else fit.joint.deviations
+    soles = check_soles(data.shoe, deviations)
+    found = soles or check_robot(deviations)
     # Soles that are off bend the gains, too: only weighing in the air does not mind them.
-    if not found or data.weighed is not None:
+    if not soles or data.weighed is not None:
         found += check_weight(data.shoe, gains, gain_std, data.weighed, data.robot)
     return found + check_data_sheets(data.shoe, gains, gain_std)
 

@@ -16,6 +16,7 @@ from shoecal_core.estimation.checks import (
     check_directions,
     check_expected,
     check_gains,
+    check_robot,
     check_soles,
 )
 from shoecal_core.estimation.fit import self_calibrate
@@ -231,3 +232,30 @@ def test_cells_that_are_off_each_another_way_are_no_sole() -> None:
     signs = np.tile([1.0, -1.0], len(shoe.names) // 2)
     found = [placed(name, "x", 0.01 * s) for name, s in zip(shoe.names, signs, strict=True)]
     assert check_soles(shoe, found) == []
+
+
+def fitted(effect: str, place: str, component: str, value: float, std: float) -> FittedDeviation:
+    deviation = Deviation(effect, (place,), component, "", std, np.zeros((0, 0)))
+    return FittedDeviation(deviation, value, 0.1 * std)
+
+
+def test_what_the_fit_takes_the_robot_for() -> None:
+    """Far from its files it is named, the worst first, each with its cure; near to them not."""
+    near = [
+        fitted("joint_offset", "LKneePitch", "angle", 0.015, 0.004),
+        fitted("link_com", "base_link", "x", -0.011, 0.003),
+        fitted("backlash", "all", "play", 0.09, 0.003),
+    ]
+    assert check_robot(()) == []
+    assert check_robot(near) == []
+    far = [
+        fitted("joint_offset", "LKneePitch", "angle", 0.028, 0.004),
+        fitted("link_com", "base_link", "x", -0.024, 0.003),
+    ]
+    (finding,) = check_robot([*near, *far])
+    assert finding.verdict == "WARN"
+    assert finding.reason.startswith(
+        "by the fit the CoM of base_link x is off by 24 mm (8 tolerances); the zero of LKneePitch "
+        "is off by 28 mrad (7 tolerances): correct CoMs in the URDF, or the soles' place"
+    )
+    assert finding.reason.endswith(" and the zeros of the joints, then calibrate again")
