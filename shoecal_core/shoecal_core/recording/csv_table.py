@@ -119,12 +119,16 @@ class CsvTable:
             return f"{why}: delete the line"
         if line == self._lines[-1] and len(row) < len(self.names):
             return "the file is cut there: delete its last line"
-        others = [mark for mark in _SEPARATORS if len(self.names) == 1 and mark in self.names[0]]
-        if others:
-            return f"add separator: {others[0]!r} to the mapping"
+        if cure := self._other_separator():
+            return cure
         if len(self.names) > 1 and count <= FEW_SHARE * len(self._rows):
             return f"correct or delete the line ({count} of {len(self._rows)} are so)"
         return "check the separator, or skip what stands above the header ('lines_before_header')"
+
+    def _other_separator(self) -> str:
+        """The cure of a header that is one name by the mapping's separator; empty of any other."""
+        marks = [mark for mark in _SEPARATORS if len(self.names) == 1 and mark in self.names[0]]
+        return f"add separator: {marks[0]!r} to the mapping" if marks else ""
 
     def __len__(self) -> int:
         return len(self._rows)
@@ -141,10 +145,7 @@ class CsvTable:
         """
         if self.names.count(column.name) != 1:
             problem = "is there twice" if column.name in self.names else "is missing"
-            cure = "correct the mapping or the file"
-            if len(self.names) == 1:
-                others = [mark for mark in _SEPARATORS if mark in self.names[0]]
-                cure = f"add separator: {others[0]!r} to the mapping" if others else cure
+            cure = self._other_separator() or "correct the mapping or the file"
             there = ", ".join(self.names).replace("\t", " ")
             raise FieldError(
                 self.path,

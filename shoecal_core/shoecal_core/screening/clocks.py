@@ -25,7 +25,7 @@ from shoecal_core.samples.aligned import MIN_SAMPLES, Aligned
 from shoecal_core.samples.filters import resampled, typical_period
 from shoecal_core.screening.blocks import blocks
 from shoecal_core.screening.noise import spread
-from shoecal_core.screening.rough_fit import equations, prior, reweighed, solve
+from shoecal_core.screening.rough_fit import fit_roughly
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.shoe.sensing import MINIMUM_FORCE
 from shoecal_core.shoe.shoe import Shoe
@@ -228,9 +228,7 @@ def _tracks(
 ) -> dict[int, CopTrack]:
     """By run."""
     parts = {run: blocks(one, shoe) for run, one in aligned.items()}
-    information = prior(shoe, parts, weight, settings)
-    rows = {run: equations(one, weight, settings) for run, one in parts.items()}
-    parameters = solve(reweighed(rows, information), information).parameters
+    parameters = fit_roughly(shoe, parts, weight, settings).parameters
     tracks = {}
     for run, one in aligned.items():
         wrench = parameters.outputs(one.readings) @ parts[run].columns + parts[run].base

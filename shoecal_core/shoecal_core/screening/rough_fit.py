@@ -58,6 +58,10 @@ class Equations:
         off: FloatArray = self.matrix @ vector - self.target
         return off
 
+    def with_columns(self, columns: FloatArray) -> Equations:
+        """The same with further unknowns, whose columns (3, B, k) are whitened."""
+        return replace(self, matrix=np.concatenate((self.matrix, columns), axis=2))
+
     def sums(self) -> NormalEquations:
         """Over all blocks."""
         flat = self.matrix.reshape(-1, self.matrix.shape[-1])
@@ -89,6 +93,21 @@ class RoughFit:
         """Gains and offsets."""
         gain, offset = np.split(self.vector, 2)
         return ChannelParameters(gain, offset)
+
+
+def fit_roughly(
+    shoe: Shoe, runs: Mapping[int, Blocks], weight: float, settings: CalibrationSettings
+) -> RoughFit:
+    """Least squares over some runs, blocks that fit badly counting less.
+
+    Args:
+        shoe: whose n channels they are.
+        runs: blocks of each.
+        weight: of robot and shoes [N].
+    """
+    information = prior(shoe, runs, weight, settings)
+    rows = {run: equations(one, weight, settings) for run, one in runs.items()}
+    return solve(reweighed(rows, information), information)
 
 
 def equations(blocks: Blocks, weight: float, settings: CalibrationSettings) -> Equations:

@@ -13,7 +13,7 @@ import numpy as np
 
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.screening.blocks import blocks
-from shoecal_core.screening.rough_fit import equations, prior, reweighed, solve
+from shoecal_core.screening.rough_fit import fit_roughly
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.units import FORCES, MOMENTS, named_unit
@@ -56,9 +56,7 @@ def other_units(
     if not aligned or not shoe.torque.any():
         return []
     parts = {run: blocks(one, shoe) for run, one in aligned.items()}
-    information = prior(shoe, parts, weight, settings)
-    rows = {run: equations(one, weight, settings) for run, one in parts.items()}
-    fit = solve(reweighed(rows, information), information)
+    fit = fit_roughly(shoe, parts, weight, settings)
     gain, std = (one[: len(shoe.names)] for one in (fit.vector, np.sqrt(np.diag(fit.covariance))))
     sheet = np.array([abs(one.nominal_gain or np.nan) for one in shoe.channels])
     ratio = np.abs(gain) / sheet

@@ -11,7 +11,7 @@ and themselves by, and no other one nearly as well, is named.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -87,9 +87,9 @@ def _with_own(
         column = one.matrix[:, :, len(information) // 2 + channel, None]
         columns = np.zeros((3, len(time), count))
         columns[:, :, 2 * at : 2 * at + 2] = column * courses
-        own[run] = replace(one, matrix=np.concatenate((one.matrix, columns), axis=2))
+        own[run] = one.with_columns(columns)
         changes[run] = courses
     fit = solve(own, np.concatenate((information, np.full(count, weight**-2.0))))
     extra = fit.vector[len(information) :].reshape(len(runs), 2)
-    course = np.concatenate([changes[run] @ own for run, own in zip(runs, extra, strict=True)])
+    course = np.concatenate([changes[run] @ mine for run, mine in zip(runs, extra, strict=True)])
     return fit.cost, float(np.ptp(course))

@@ -222,7 +222,7 @@ def _with_own(
         if run in free:
             columns[np.arange(3), :, free.index(run), np.arange(3)] = 1.0 / std[:, None]
         flat = columns.reshape(3, -1, 3 * count)
-        own[run] = replace(one, matrix=np.concatenate((one.matrix, flat), axis=2))
+        own[run] = one.with_columns(flat)
     # A tare takes away what stood on the channels: no more than the weight.
     usual = weight * np.array([1.0, TORQUE_LEVER_M, TORQUE_LEVER_M])
     return own, np.concatenate((information, np.tile(usual**-2.0, count)))
