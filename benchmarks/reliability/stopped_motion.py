@@ -243,7 +243,10 @@ class Scene:
         self._seen.append((now, angles))
 
     def _note(self, message: JointTrajectoryMsg) -> None:
-        self._sent.append((time.time(), trajectory_from_ros(message)))
+        now, trajectory = time.time(), trajectory_from_ros(message)
+        # What the pause kept on its way is of before by its stamp, and no robot follows it.
+        if time_from_ros(message.header.stamp) / 1e9 + trajectory.duration > now:
+            self._sent.append((now, trajectory))
 
     def _reported(self, node: str, subject: str) -> str:
         found = self.world.diagnosis(node, subject)

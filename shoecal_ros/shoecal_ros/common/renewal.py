@@ -67,6 +67,7 @@ class Renewal:
         self.timeout_s = TIMEOUT_S
         self.done = False
         self._knots = [_Knot(0.0, 0.0, 1.0)]
+        self._before = (self.begun, self.timeout_s, self._knots)
 
     def due(self, time: float) -> bool:
         """Whether the next piece is to be sent at a time [s]."""
@@ -84,6 +85,7 @@ class Renewal:
     def piece(self, time: float, timeout_s: float = TIMEOUT_S) -> JointTrajectory:
         """The next piece, which begins at a time [s] and ends at rest `timeout_s` later at most."""
         begin = self._state(time)
+        self._before = (self.begun, self.timeout_s, self._knots)
         self.begun, self.timeout_s = time, timeout_s
         brake_s = _BRAKE * timeout_s
         cruising = begin.after((1.0 - begin.rate) * brake_s, 1.0)
@@ -100,6 +102,11 @@ class Renewal:
             coming = [begin, cruising, braking, braking.after(brake_s, 0.0)]
         self._knots = [knot for knot in self._knots if knot.time < time] + coming
         return self._sampled([knot.time for knot in coming])
+
+    def take_back(self) -> None:
+        """The last piece was not sent."""
+        self.begun, self.timeout_s, self._knots = self._before
+        self.done = False
 
     def stopped(self, time: float, stop_s: float) -> float:
         """Path time at which it rests if it slows down evenly from a time on, within stop_s [s]."""

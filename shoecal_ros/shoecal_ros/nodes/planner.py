@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from typing import Any, TypeVar
 
@@ -112,9 +113,20 @@ class PlannerNode(ShoecalNode):
         states = self.subscribe(ShoeState, "shoe/state", shoes.take_states, qos.LATCHED)
         return Senses(imu, shoes, temperatures, self.kinematics, self.moving)
 
-    def command(self, trajectory: JointTrajectory, stamp_ns: int = 0) -> None:
-        """Send a trajectory to the robot that begins at a stamp [ns]; zero: on receipt."""
-        self._command.publish(trajectory_to_ros(trajectory, stamp_ns))
+    def command(
+        self, trajectory: JointTrajectory, stamp_ns: int = 0, not_after: float = math.inf
+    ) -> bool:
+        """Send a trajectory to the robot that begins at a stamp [ns]; zero: on receipt.
+
+        Returns:
+            Whether it was sent: not after a time by the monotonic clock [s].
+        """
+        message = trajectory_to_ros(trajectory, stamp_ns)
+        # Asked last of all: a process may be stopped anywhere before.
+        if time.monotonic() > not_after:
+            return False
+        self._command.publish(message)
+        return True
 
     def watch(self) -> None:
         """Disarm what is not in use, and report the condition of joints and planning."""

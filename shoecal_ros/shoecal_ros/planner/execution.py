@@ -37,6 +37,9 @@ R = TypeVar("R")
 
 ANSWER_S = 30.0
 """Wall-clock time in which cancelled planning must end."""
+HELD_UP_S = 0.05
+"""For longer than that no piece takes to be made (2 ms) unless the process was stopped: so long
+the robot may be ahead of where it begins."""
 CURE = "see that the robot's motors are on and that it listens to joint_trajectory"
 
 _CODES: tuple[tuple[type[ShoecalError], int], ...] = (
@@ -212,12 +215,20 @@ class Execution:
     def _renew(self, part: StreamedPart) -> None:
         """Send the next piece where it is due: it begins where the last one is by now.
 
-        Joint angles from before a sleep would lead the robot back to where it was then.
+        Joint angles from before a sleep would lead the robot back to where it was then, and so
+        would a piece that was begun before it: the next joint angles bring another.
         """
-        if part.renewal.due(part.elapsed) and not self._mover.awake.catches_up():
-            piece = part.renewal.piece(part.elapsed, TIMEOUT_S * self._mover.robot_time.rate)
-            self._mover.command(piece, part.stamp_ns)
-            part.sent_s = time.monotonic()
+        if not part.renewal.due(part.elapsed) or self._mover.awake.catches_up():
+            return
+        begun_s, rate = time.monotonic(), self._mover.robot_time.rate
+        piece = part.renewal.piece(part.elapsed, TIMEOUT_S * rate)
+        sent = self._mover.command(piece, part.stamp_ns, not_after=begun_s + HELD_UP_S)
+        ended_s = time.monotonic()
+        # What a stop in the midst of sending kept back had ended by its stamp when it came.
+        if sent and (ended_s - begun_s) * rate <= piece.duration:
+            part.sent_s = ended_s
+        else:
+            part.renewal.take_back()
 
     def _stop(self, part: StreamedPart) -> None:
         """Come to rest on the way that was checked, from where the robot is commanded to be by now.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
@@ -37,8 +38,14 @@ class Mover(Protocol):
     robot_time: RobotTime
     awake: AwakeClock
 
-    def command(self, trajectory: JointTrajectory, stamp_ns: int = 0) -> None:
-        """Send a trajectory to the robot that begins at a stamp [ns]; zero: on receipt."""
+    def command(
+        self, trajectory: JointTrajectory, stamp_ns: int = 0, not_after: float = math.inf
+    ) -> bool:
+        """Send a trajectory to the robot that begins at a stamp [ns]; zero: on receipt.
+
+        Returns:
+            Whether it was sent: not after a time by the monotonic clock [s].
+        """
 
 
 @dataclass(frozen=True)

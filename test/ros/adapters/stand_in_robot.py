@@ -124,10 +124,20 @@ def _waited(until_s: float, stopped: Callable[[], bool]) -> bool:
 def _followed(
     robot: StandIn, message: JointTrajectory, stopped: Callable[[], bool], pace: float = 1.0
 ) -> bool:
-    """Go from point to point, in so many times what is due; whether the end was reached."""
-    begun = time.monotonic()
+    """Go from point to point, in so many times what is due; whether the end was reached.
+
+    Stamps are honoured as by ros2_control's joint_trajectory_controller: points that are past are
+    left out, and nothing is done that has ended.
+    """
+    stamp = message.header.stamp
+    age = 0.0
+    if stamp.sec:
+        age = max(0.0, time.time() - stamp.sec - stamp.nanosec * 1e-9)
+    begun = time.monotonic() - age
     for point in message.points:
         due = pace * (point.time_from_start.sec + point.time_from_start.nanosec * 1e-9)
+        if due < age:
+            continue
         if not _waited(begun + due, stopped):
             return False
         robot.move(dict(zip(message.joint_names, point.positions, strict=True)))

@@ -101,6 +101,22 @@ def test_a_stop_is_on_the_way() -> None:
     assert renewal.stopped(9.0, 0.5) == renewal.stopped(99.0, 0.5), "once at rest it stays"
 
 
+def test_a_piece_that_was_not_sent_changes_nothing() -> None:
+    whole = motion(0.7)
+    renewal, other = Renewal(whole), Renewal(whole)
+    for one in (renewal, other):
+        one.piece(0.0)
+    renewal.piece(0.3)
+    assert renewal.done
+    renewal.take_back()
+    assert not renewal.done
+    for time in np.linspace(0.0, 2.0, 41):
+        assert renewal.due(time) == other.due(time)
+        assert renewal.path_time(time) == other.path_time(time)
+    # Meanwhile the robot has come to rest.
+    np.testing.assert_array_equal(renewal.piece(0.6).positions, other.piece(0.6).positions)
+
+
 def test_a_short_one_is_sent_whole() -> None:
     renewal = Renewal(motion(0.3))
     assert renewal.piece(0.0).duration == pytest.approx(0.3)

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import math
+import time
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
@@ -20,7 +22,7 @@ from shoecal_core.planning.support_phase import SupportPhase
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.robot.kinematics import Kinematics
-from shoecal_ros.common.awake_clock import AwakeClock
+from shoecal_ros.common.awake_clock import CATCH_UP_S, AwakeClock
 from shoecal_ros.common.codes import Code, Problem
 from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.renewal import TIMEOUT_S
@@ -66,6 +68,8 @@ class Scene:
         self.arming = Arming(10.0, clock)
         self.arming.set(True)
         self.told_s = 0.0
+        self.slept_s = 0.0
+        self.sleeps_s = {"before": 0.0, "within": 0.0}
         self.listeners = SimpleNamespace(missing="", look=lambda: None)
         self._joints = SimpleNamespace(latest=self._batch(ANGLES), problem=None)
         self.mover = cast(
@@ -87,7 +91,7 @@ class Scene:
                 ),
                 robot_time=RobotTime(simulated=False),
                 awake=AwakeClock(clock),
-                command=lambda trajectory, _stamp_ns=0: self.sent.append(trajectory),
+                command=self._command,
             ),
         )
         self.order = Order(True, lambda: False, lambda *_: None)
@@ -112,6 +116,16 @@ class Scene:
 
     def look(self) -> None:
         self._following.send(None)
+
+    def _command(
+        self, trajectory: JointTrajectory, _stamp_ns: int = 0, not_after: float = math.inf
+    ) -> bool:
+        self.slept_s += self.sleeps_s["before"]
+        if time.monotonic() + self.slept_s > not_after:
+            return False
+        self.slept_s += self.sleeps_s["within"]
+        self.sent.append(trajectory)
+        return True
 
     @property
     def ways(self) -> FloatArray:
@@ -201,7 +215,11 @@ def test_after_a_sleep_nothing_is_sent_before_what_waited_is_heard(scene: Scene)
     # Joint angles of just after it fell asleep.
     scene.tell(ANGLES, 12)
     assert len(scene.sent) == sent
-    scene.clock.now += 0.12
+    for _ in range(4):
+        scene.clock.now += 0.23 * CATCH_UP_S
+        scene.tell(ANGLES)
+        assert len(scene.sent) == sent
+    scene.clock.now += 0.23 * CATCH_UP_S
     scene.tell(ANGLES)
     assert len(scene.sent) == sent + 1
 
@@ -269,6 +287,22 @@ def test_a_stop_for_another_cause_believes_no_single_message_either(scene: Scene
     with pytest.raises(RefusedError, match="not armed"):
         other.look()
     assert other.ways.max() < 1e-9
+
+
+@pytest.mark.parametrize("when", ["before", "within"])
+def test_a_piece_that_a_sleep_kept_back_is_not_followed(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch, when: str
+) -> None:
+    """It would begin where the robot was before; the next one begins where it has come to."""
+    clock = SimpleNamespace(monotonic=lambda: time.monotonic() + scene.slept_s)
+    monkeypatch.setattr("shoecal_ros.planner.execution.time", clock)
+    scene.sleeps_s[when] = 0.6
+    scene.tell(ANGLES, 11)
+    sent = len(scene.sent)
+    assert sent == (1 if when == "before" else 3), "tried with all new joint angles"
+    scene.sleeps_s[when] = 0.0
+    scene.tell(ANGLES, 5)
+    assert len(scene.sent) == sent + 1
 
 
 def test_nothing_is_sent_to_nobody(scene: Scene) -> None:
