@@ -75,10 +75,11 @@ def of_moving_feet(found: Mapping[int, MovingFoot]) -> list[Finding]:
     for why, numbers in runs.items():
         speed = max(found[number].speed for number in numbers)
         tilt = max(found[number].tilt for number in numbers)
+        share = max(found[number].share for number in numbers)
         text = (
             f"{_runs(numbers)}: by base pose and joint angles the foot that carries the robot "
-            f"alone moves by {speed:.2f} m/s and leans by {np.degrees(tilt):.0f} degrees (medians; "
-            f"it should stand still and flat): {why}"
+            f"alone moves for {share:.0%} of that time, by {speed:.2f} m/s, and leans by "
+            f"{np.degrees(tilt):.0f} degrees (medians; it should stand still and flat): {why}"
         )
         fault = Fault.SWAPPED if found[numbers[0]].exchanged else Fault.BASE_POSE
         findings.append(Finding("FAIL", text, fault))
@@ -102,11 +103,11 @@ def _why_it_moves(one: MovingFoot) -> str:
             "the other foot does instead, and forces are negative, so both vertical forces are "
             "inverted; turn their 'polarity' in the shoe file round"
         )
-    if one.late_s:
+    if one.shifted:
         return (
-            f"it would with the base pose {1e3 * abs(one.late_s):.0f} ms "
-            f"{'earlier' if one.late_s > 0.0 else 'later'}; let base pose and joints be stamped "
-            "when they are sampled, by one clock"
+            f"it would with {one.shifted} {1e3 * abs(one.late_s):.0f} ms "
+            f"{'earlier' if one.late_s > 0.0 else 'later'}; let base pose, joints and readings be "
+            "stamped when they are sampled, by one clock"
         )
     return (
         "check the base pose (that it is the pose of the URDF's root link in a frame with z up, in "
@@ -144,6 +145,20 @@ def of_dead(shoe: Shoe, channels: Sequence[int]) -> list[Finding]:
         )
         for channel in channels
     ]
+
+
+def of_dead_feet(feet: Mapping[int, int]) -> list[Finding]:
+    """Feet of which nothing answers in single runs."""
+    findings = []
+    for foot, name in enumerate(FEET):
+        runs = sorted(run for run, one in feet.items() if one == foot)
+        if runs:
+            text = (
+                f"nothing of the {name} foot answers in {_runs(runs)}, though it does in others: "
+                "check its plug and its driver, then record again, or leave these runs out"
+            )
+            findings.append(Finding("FAIL", text, Fault.DEAD))
+    return findings
 
 
 def of_stuck(shoe: Shoe, found: Sequence[Stuck]) -> list[Finding]:

@@ -27,7 +27,7 @@ from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.screening.soles import Soles
 from shoecal_core.screening.standing import screen_standing
 from shoecal_core.screening.units import other_units
-from shoecal_core.screening.unresponsive import dead, stuck, stuck_channels
+from shoecal_core.screening.unresponsive import dead, dead_feet, stuck, stuck_channels
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import Shoe
 
@@ -128,6 +128,7 @@ def _cells(runs: Mapping[int, Run], aligned: Mapping[int, Aligned], shoe: Shoe) 
     still = stuck(parts, [one for one in found if one.channel not in ends_of])
     return [
         *words.of_dead(shoe, silent),
+        *words.of_dead_feet(dead_feet(shoe, parts)),
         *words.of_ends(shoe, ends, np.concatenate([run.readings.value for run in runs.values()])),
         *words.of_saturated(shoe, at_end),
         *words.of_stuck(shoe, still),

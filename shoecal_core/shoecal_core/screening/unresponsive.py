@@ -12,9 +12,12 @@ from shoecal_core.samples.stretches import stretches
 from shoecal_core.screening.blocks import ReadingBlocks
 from shoecal_core.screening.following import NOISE_RANGE, StuckBlocks, all_stuck, neighbours
 from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.vertical import polarity_known, vertical_forces
 
 DEAD_SHARE = 0.02
 """A channel that moves by less than this share of the others' range is dead."""
+USUAL_SHARE = 0.5
+"""Of how far the other foot's load usually goes, it does at least while one foot is dead."""
 LIVING = 0.05
 """Part of a session in which a dead channel may have lived: less is not enough to fit a law."""
 
@@ -46,6 +49,33 @@ def dead(shoe: Shoe, runs: Mapping[int, ReadingBlocks]) -> list[int]:
         for channel in range(len(moved))
         if constant[channel] or moved[channel] < _least(shoe, moved, channel)
     ]
+
+
+def dead_feet(shoe: Shoe, runs: Mapping[int, ReadingBlocks]) -> dict[int, int]:
+    """The foot (index) of which no channel moves in a run where the other one's load does, by run.
+
+    Nothing where the polarity of vertical channels is not known.
+    The load of the other one, since a foot may also hang: then that stays the weight.
+    """
+    if not polarity_known(shoe):
+        return {}
+    ranges = {run: _ranges({run: blocks}) for run, blocks in runs.items()}
+    loads = {
+        run: np.ptp(vertical_forces(shoe, blocks.readings)[0], axis=0)
+        for run, blocks in runs.items()
+    }
+    found = {}
+    for run, moved in ranges.items():
+        others = [number for number in ranges if number != run]
+        if not others:
+            continue
+        usual = np.median([ranges[number] for number in others], axis=0)
+        load = loads[run] > USUAL_SHARE * np.median([loads[number] for number in others], axis=0)
+        for foot in (0, 1):
+            own = (usual > 0.0) & (shoe.foot == foot)
+            if own.any() and np.all(moved[own] < DEAD_SHARE * usual[own]) and load[1 - foot]:
+                found[run] = foot
+    return found
 
 
 def away(shoe: Shoe, runs: Mapping[int, ReadingBlocks], channel: int) -> BoolArray:

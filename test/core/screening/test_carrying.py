@@ -115,7 +115,30 @@ def test_forces_of_both_feet_with_the_other_sign(walk: Walk) -> None:
 
 def test_a_base_pose_that_is_late(walk: Walk) -> None:
     (reason,) = replace(walk, base=replace(walk.base, time=TIME + 0.3)).shown()
-    assert "300 ms earlier" in reason
+    assert "the base pose 300 ms earlier" in reason
+
+
+@pytest.mark.parametrize("late", [0.3, -0.3])
+def test_readings_that_are_late(walk: Walk, late: float) -> None:
+    """The foot stands still for most of the time that it seems to carry, but not for all of it."""
+    columns = [np.interp(TIME - late, TIME, column) for column in walk.aligned.readings.T]
+    (reason,) = replace(
+        walk, aligned=replace(walk.aligned, readings=np.column_stack(columns))
+    ).shown()
+    assert f"the readings 300 ms {'earlier' if late > 0.0 else 'later'}" in reason
+
+
+def test_joint_angles_that_are_late(walk: Walk) -> None:
+    late = walk.aligned.joint_angles[np.clip(np.arange(len(TIME)) - 30, 0, None)]
+    moved = replace(walk.aligned, joint_angles=late, states=KINEMATICS.states(late))
+    (reason,) = replace(walk, aligned=moved).shown()
+    assert "the joint angles 300 ms earlier" in reason
+
+
+def test_a_base_pose_that_is_not_exact_is_no_fault(walk: Walk) -> None:
+    """As motion capture gives it: a tenth of a millimetre, at 100 Hz."""
+    shaken = walk.base.position + np.random.default_rng(1).normal(0.0, 2e-4, (len(TIME), 3))
+    assert replace(walk, base=replace(walk.base, position=shaken)).shown() == []
 
 
 @pytest.mark.parametrize("how", ["millimetres", "leaning"])

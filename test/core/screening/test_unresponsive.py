@@ -12,7 +12,8 @@ from shoecal_core.arrays import FloatArray
 from shoecal_core.screening.blocks import Blocks, blocks
 from shoecal_core.screening.following import StuckBlocks
 from shoecal_core.screening.saturated import ended
-from shoecal_core.screening.unresponsive import Stuck, dead, stuck, stuck_channels
+from shoecal_core.screening.unresponsive import Stuck, dead, dead_feet, stuck, stuck_channels
+from shoecal_core.shoe.vertical import vertical_forces
 
 
 def parts(whole: Recording) -> dict[int, Blocks]:
@@ -47,6 +48,30 @@ def test_a_cell_that_only_trembles_is_dead(channel: int, noise: float) -> None:
         channel, lambda _, values: 0.7 + noise * rng.standard_normal(len(values))
     )
     assert dead(whole.shoe, parts(whole)) == [channel]
+
+
+@pytest.mark.parametrize("foot", [0, 1])
+def test_a_foot_that_is_dead_in_one_run(clean: Recording, foot: int) -> None:
+    own = clean.shoe.foot == foot
+    assert dead_feet(clean.shoe, parts(clean)) == {}
+    lost = clean.with_readings(lambda run, values: np.where(own & (run == 1), values[0], values))
+    assert dead_feet(clean.shoe, parts(lost)) == {1: foot}
+
+
+def test_a_foot_that_hangs_through_a_run_is_not_dead(clean: Recording) -> None:
+    """Of the other one the load stays, whatever its cells do."""
+    shoe = clean.shoe
+    gain = np.array([channel.rough_gain for channel in shoe.channels])
+
+    def on_left(run: int, values: FloatArray) -> FloatArray:
+        if run == 1:
+            force = vertical_forces(shoe, values)[0][:, 0]
+            left = shoe.foot == 0
+            values[:, left] -= (force - force.mean())[:, None] / (gain[left] * left.sum())
+            values[:, ~left] = values[0, ~left]
+        return values
+
+    assert dead_feet(shoe, parts(clean.with_readings(on_left))) == {}
 
 
 def test_a_robot_that_stands_still_has_no_dead_cells() -> None:
