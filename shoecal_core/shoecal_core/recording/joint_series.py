@@ -29,6 +29,8 @@ BEYOND_RAD = 0.1
 """A joint whose zero is a little off misses its limits by less."""
 FAR_RAD = 1.0
 """No joint is so far beyond its limits: its angles have another unit."""
+TURNS_RAD = 2.0 * math.tau
+"""The same of joints without an end: they may have turned round, but hardly twice."""
 
 
 @dataclass(frozen=True)
@@ -240,9 +242,9 @@ def in_degrees(position: FloatArray, low: float, high: float) -> bool:
 
     Those within them with the other sign are not: a joint's sign may be turned.
     """
+    far = FAR_RAD if high - low < math.tau else TURNS_RAD
     return bool(
-        high - low < math.tau  # joints without an end may have turned round and round
-        and _beyond(position, low, high).max() > FAR_RAD
+        _beyond(position, low, high).max() > far
         and _beyond(-position, low, high).max() > BEYOND_RAD
         and (_beyond(np.radians(position), low, high) < BEYOND_RAD).all()
     )

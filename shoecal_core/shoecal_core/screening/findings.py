@@ -125,9 +125,9 @@ def of_units(shoe: Shoe, found: Sequence[OtherUnit]) -> list[Finding]:
     return [
         Finding(
             "FAIL",
-            f"{one.kind} look like {one.name}: a first fit gives "
-            f"{', '.join(shoe.names[channel] for channel in one.channels)} gains of about "
-            f"{one.size:.6g} times their nominal_gain; multiply the nominal_gain of all {one.kind} "
+            f"{one.kind} look like {one.name} "
+            f"({', '.join(shoe.names[channel] for channel in one.channels)}): {one.shown_by}; "
+            f"multiply the nominal_gain of all {one.kind} "
             f"by {one.size:.6g} in the shoe file (or set 'scale' in the mapping of a CSV import)",
             Fault.UNIT,
         )

@@ -26,7 +26,7 @@ from shoecal_core.screening.saturated import at_ends_or_marked, ended
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.screening.soles import Soles
 from shoecal_core.screening.standing import screen_standing
-from shoecal_core.screening.units import other_units
+from shoecal_core.screening.units import other_units, units_of_walks
 from shoecal_core.screening.unresponsive import dead, dead_feet, stuck, stuck_channels
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import Shoe
@@ -69,7 +69,13 @@ def screen(
         number: one for number, one in aligned.items() if runs[number].info.support is not None
     }
     if not soles:  # else what the legs say of the CoP is wrong
-        found = found.adding(words.of_units(shoe, other_units(shoe, double, weight, settings)))
+        walks = {
+            number: one
+            for number, one in aligned.items()
+            if number not in double and not runs[number].info.hanging
+        }
+        units = other_units(shoe, double, weight, settings) or units_of_walks(shoe, walks, weight)
+        found = found.adding(words.of_units(shoe, units))
     if found.fails:
         return found
     found = found.adding(words.of_left_out(found.left_out) + _cells(runs, aligned, shoe))

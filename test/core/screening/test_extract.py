@@ -138,6 +138,9 @@ def test_a_turned_sign_is_not_taken_for_degrees() -> None:
     turned = -np.linspace(0.8, 1.6, 20)
     assert not in_degrees(turned, -0.1, 2.2)
     assert in_degrees(np.degrees(-turned), -0.1, 2.2)
+    # Without an end it may have turned round, but in degrees it seems to turn many times.
+    assert not in_degrees(turned - 7.0, -3.2, 3.2)
+    assert in_degrees(np.degrees(turned), -3.2, 3.2)
 
 
 def test_two_senders_that_take_turns_are_refused(run: Run) -> None:

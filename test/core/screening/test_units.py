@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from core.screening.recordings import SETTINGS, WEIGHT, Recording, recording
 from core.shoe.shoes import made, six_axis
 from shoecal_core.arrays import FloatArray
-from shoecal_core.screening.units import other_units
+from shoecal_core.screening.units import other_units, units_of_walks
 
 KGF = 9.80665
 
@@ -63,3 +64,34 @@ def test_where_data_sheets_give_no_gain_no_unit_is_known() -> None:
 def test_single_cells_are_left_to_the_fit() -> None:
     whole = recording()
     assert not other_units(whole.shoe, whole.aligned, WEIGHT, SETTINGS)
+
+
+@pytest.mark.parametrize(
+    ("force", "moment", "lifted", "named"),
+    [
+        (1.0, 1.0, 0.03, {}),
+        (1.0 / KGF, 1.0, 0.03, {"forces": "kgf or kg"}),
+        (1.0, 1e3, 0.03, {"moments": "N mm"}),
+        (1.0 / KGF, 1e3, 0.03, {"forces": "kgf or kg", "moments": "N mm"}),
+        # A robot that only sways carries part of its weight on each foot all the time.
+        (0.25, 1.0, 0.0, {}),
+    ],
+)
+def test_the_unit_of_a_walk_is_named(
+    force: float, moment: float, lifted: float, named: dict[str, str]
+) -> None:
+    whole = recorded(1, force, moment)
+    one = whole.aligned[1]
+    time, readings = one.time, one.readings.copy()
+    alone = np.stack((np.sin(time) > 0.0, np.sin(time) <= 0.0), axis=1)
+    for foot in (0, 1):
+        # The foot carries all, or hangs: the wrench that it has is scaled.
+        own = whole.shoe.of_foot(foot)
+        share = np.abs(readings[:, whole.shoe.index(f"{('left', 'right')[foot]}/fz")]) * force
+        readings[:, own] *= (alone[:, foot] * WEIGHT / (share / force**2))[:, None]
+    translation = one.states.translation.copy()
+    translation[:, 2] = lifted * np.where(alone[:, 0], 1.0, -1.0)
+    states = replace(one.states, translation=translation)
+    walk = replace(one, readings=readings, states=states)
+    found = units_of_walks(whole.shoe, {1: walk}, WEIGHT)
+    assert {each.kind: each.name for each in found} == named
