@@ -16,6 +16,8 @@ from shoecal_core.recording.run import PoseSamples, Run
 from shoecal_core.robot.robot import Robot
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.walking import MAX_FOOT_SPEED, MAX_FOOT_TILT, World, in_world
+from shoecal_core.screening.faults import Fault
+from shoecal_core.screening.verdict import Finding, name_runs
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.vertical import polarity_known, vertical_forces
 
@@ -158,3 +160,52 @@ def _tilt(world: World, alone: BoolArray) -> float:
     """The same of how far it leans [rad]."""
     tilt = np.arccos(np.clip(world.sole_rotation[..., 2, 2], -1.0, 1.0))
     return max(float(np.median(tilt[alone[:, foot], foot])) for foot in (0, 1))
+
+
+def describe_moving_feet(found: Mapping[int, MovingFoot]) -> list[Finding]:
+    """Walks in which the foot that carries does not stay; those of one cause together."""
+    runs: dict[str, list[int]] = {}
+    for number, one in sorted(found.items()):
+        runs.setdefault(_why_it_moves(one), []).append(number)
+    findings = []
+    for why, numbers in runs.items():
+        speed = max(found[number].speed for number in numbers)
+        tilt = max(found[number].tilt for number in numbers)
+        share = max(found[number].share for number in numbers)
+        text = (
+            f"{name_runs(numbers)}: by base pose and joint angles the foot that carries the robot "
+            f"alone moves for {share:.0%} of that time, by {speed:.2f} m/s, and leans by "
+            f"{np.degrees(tilt):.0f} degrees (medians; it should stand still and flat): {why}"
+        )
+        fault = Fault.SWAPPED if found[numbers[0]].exchanged else Fault.BASE_POSE
+        findings.append(Finding("FAIL", text, fault))
+    return findings
+
+
+def _why_it_moves(one: MovingFoot) -> str:
+    """The cause of a foot that moves while it carries, and the cure."""
+    if one.frozen:
+        return (
+            "the recorded base pose never changes; record the pose that the state estimator or "
+            "motion capture gives while the robot walks"
+        )
+    if one.exchanged and one.upwards:
+        return (
+            "the other foot does instead, so left and right are exchanged; exchange their plugs, "
+            "their topics, or feet.*.link in the robot file, and record again"
+        )
+    if one.exchanged:
+        return (
+            "the other foot does instead, and forces are negative, so both vertical forces are "
+            "inverted; turn their 'polarity' in the shoe file round"
+        )
+    if one.shifted:
+        return (
+            f"it would with {one.shifted} {1e3 * abs(one.late_s):.0f} ms "
+            f"{'earlier' if one.late_s > 0.0 else 'later'}; let base pose, joints and readings be "
+            "stamped when they are sampled, by one clock"
+        )
+    return (
+        "check the base pose (that it is the pose of the URDF's root link in a frame with z up, in "
+        "m, its angles' order and unit), then signs and zeros of the leg joints"
+    )

@@ -24,13 +24,17 @@ from shoecal_core.arrays import FloatArray
 from shoecal_core.samples.aligned import MIN_SAMPLES, Aligned
 from shoecal_core.samples.filters import resampled, typical_period
 from shoecal_core.screening.blocks import blocks
+from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.noise import spread
 from shoecal_core.screening.rough_fit import fit_roughly
 from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.sensing import MINIMUM_FORCE
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import cop
 
+MAX_TIME_OFFSET_S = 0.05
+"""Clocks of joints and readings that are further apart are named."""
 CHANGES_S = (0.8, 0.8, 0.4, 0.4, 0.15, 0.15, 0.15)
 """Times over which changes are looked at, one after the other."""
 SMOOTHING = 0.3
@@ -273,3 +277,43 @@ def _changes(track: CopTrack, late: float, change: float) -> tuple[FloatArray, F
     rate = np.gradient(expected, period, axis=0)
     off = placed - expected
     return off[count:] - off[:-count], rate[count:] - rate[:-count]
+
+
+def describe_time_offset(time_offset: float) -> list[Finding]:
+    """Joints and readings that are far apart in time; the fit is spared that."""
+    if abs(time_offset) <= MAX_TIME_OFFSET_S:
+        return []
+    if abs(time_offset) >= 0.99 * LARGEST_S:
+        return [
+            Finding(
+                "FAIL",
+                f"joints and readings are {LARGEST_S:g} s apart or more, which is not corrected: "
+                "let both be stamped when they are sampled, by one clock",
+                Fault.LATE,
+            )
+        ]
+    return [
+        Finding(
+            "WARN",
+            f"joints are {'late' if time_offset > 0.0 else 'early'} by "
+            f"{1e3 * abs(time_offset):.0f} ms against the readings, which is corrected in the fit: "
+            "let both be stamped when they are sampled, by one clock",
+            Fault.LATE,
+        )
+    ]
+
+
+def describe_clock_rate(rate: float) -> list[Finding]:
+    """A clock that runs faster than the other one, which no constant offset puts right."""
+    if rate == 0.0:
+        return []
+    return [
+        Finding(
+            "FAIL",
+            f"the shoe's clock runs {100.0 * abs(rate):.2g}% {'fast' if rate > 0.0 else 'slow'} "
+            "against the joints', so their stamps drift apart within each run: let both be stamped "
+            "by one clock as they come in, or correct the clock of the board (its crystal or its "
+            "timer's divider), and record again",
+            Fault.LATE,
+        )
+    ]

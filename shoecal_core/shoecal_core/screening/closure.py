@@ -17,6 +17,8 @@ from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.filters import evenly
+from shoecal_core.screening.faults import Fault
+from shoecal_core.screening.verdict import Finding
 
 Key = TypeVar("Key", bound=Hashable)
 
@@ -161,3 +163,18 @@ def _even_kinks(values: FloatArray, period: float) -> FloatArray:
                 values[:, column], weights[::-1], "valid"
             )
     return kinks
+
+
+def describe_slips(slips: Mapping[int, Slipped]) -> list[Finding]:
+    """Feet that slipped."""
+    return [
+        Finding(
+            "WARN",
+            f"a foot slipped in run {run} at {slip.time:.1f} s (by the joint angles, "
+            f"{1e3 * np.linalg.norm(slip.shift[:2]):.1f} mm and {np.degrees(slip.shift[2]):.1f} "
+            "deg): where it came to rest is not known, so what came after is left out; record the "
+            "run again",
+            Fault.SLIPPED,
+        )
+        for run, slip in slips.items()
+    ]

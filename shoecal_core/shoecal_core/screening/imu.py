@@ -16,6 +16,8 @@ from shoecal_core.arrays import FloatArray
 from shoecal_core.recording.run import Run
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.side_channels import upwards
+from shoecal_core.screening.faults import Fault
+from shoecal_core.screening.verdict import Finding
 
 LEAST_RAD = float(np.radians(2.0))
 """Play, sag, zeros of joints and a floor out of level set IMU and legs apart by less."""
@@ -90,3 +92,8 @@ def _off(one: FloatArray, other: FloatArray) -> float:
     across = np.linalg.norm(np.cross(one, other), axis=1)
     angle = np.arctan2(across, np.sum(one * other, axis=1))
     return float(np.sqrt(np.mean(angle**2)))
+
+
+def describe_imu(found: WrongMount | None) -> list[Finding]:
+    """An IMU that is mounted otherwise than its frame says."""
+    return [] if found is None else [Finding("FAIL", found.text, Fault.IMU)]

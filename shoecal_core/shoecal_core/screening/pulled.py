@@ -8,17 +8,19 @@ push (`disturbed`).
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.ndimage import median_filter
 
 from shoecal_core.arrays import FloatArray
-from shoecal_core.samples.stretches import Stretch, lasting, stretches
+from shoecal_core.samples.stretches import Stretch, lasting, list_stretches, stretches
 from shoecal_core.screening.blocks import Blocks
+from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.rough_fit import Equations, reweighed, solve
 from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.verdict import Finding, name_runs
 from shoecal_core.screening.weights import OFF_STDS, OPEN_STDS
 
 LASTS_S = 2.0
@@ -155,3 +157,35 @@ def _pull(
         return None
     at = int(np.argmax(np.abs(force) * beyond))
     return Pull(run, float(force[at]), stretches(beyond, part.time, JOIN_S))
+
+
+def describe_wavering(found: Wavering) -> list[Finding]:
+    """A vertical force that varies in most runs."""
+    vary = "vary" if found.runs[1:] else "varies"
+    return [
+        Finding(
+            "FAIL",
+            f"the vertical forces of {name_runs(found.runs)} {vary} by up to {found.force:.1f} N "
+            "while the robot only leans, whatever the cells' gains and zeros are: take off the "
+            "rope or cable, do not touch the robot, see that the cells' supply voltage is steady, "
+            "and record again",
+            Fault.PULLED,
+        )
+    ]
+
+
+def describe_pulls(found: Sequence[Pull]) -> list[Finding]:
+    """Forces from outside; with one other run alone, nothing else can be checked."""
+    return [
+        Finding(
+            "FAIL" if one.undecided else "WARN",
+            f"run {one.run}: a force from outside of up to {abs(one.force):.1f} N "
+            f"{'pressed the robot down' if one.force > 0.0 else 'held the robot up'} "
+            f"({list_stretches(one.stretches)}), while it only leant"
+            f"{'' if one.undecided else ', left out'}: take off the rope or cable, do not "
+            "touch the robot, and record the run again"
+            f"{'' if one.undecided else ', or leave it out (--train)'}",
+            Fault.PULLED,
+        )
+        for one in found
+    ]

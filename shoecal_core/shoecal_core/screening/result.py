@@ -6,9 +6,34 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from shoecal_core.arrays import BoolArray, FloatArray
-from shoecal_core.samples.stretches import Stretch
+from shoecal_core.samples.stretches import Stretch, list_stretches
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.verdict import Finding
+
+NOTABLE: Mapping[Fault, float] = {
+    Fault.UNREADABLE: 0.2,
+    Fault.TOO_FAST: 0.02,
+    Fault.DISTURBED: 0.2,
+    Fault.LIFTED: 0.0,
+}
+"""Share of a run's samples from which their loss is a warning; less is only counted."""
+NOTABLE_SPIKES = 3
+"""Samples with spikes in one channel and run from which its cable is suspected."""
+_CURES: Mapping[Fault, tuple[str, str]] = {
+    Fault.UNREADABLE: (
+        "has no readings, bad or repeated ones, or no joint angles at the same time",
+        "check the device's status and rate of sampling, and that both have stamps of one clock",
+    ),
+    Fault.TOO_FAST: ("moved too fast to be taken as standing still", "plan a slower motion"),
+    Fault.DISTURBED: (
+        "was disturbed",
+        "see that nothing touches the robot, and that its gears and floor are firm",
+    ),
+    Fault.LIFTED: (
+        "had one foot in the air or on its edge",
+        "see that it is not lifted and that the motion keeps load on both feet",
+    ),
+}
 
 
 @dataclass(frozen=True)
@@ -102,3 +127,38 @@ class Screening:
                 for one in self.findings
             ],
         }
+
+
+def describe_left_out(found: Sequence[LeftOut]) -> list[Finding]:
+    """Samples left out, where they are more than a good recording has."""
+    findings = []
+    for one in found:
+        times = list_stretches(one.stretches)
+        if one.fault is Fault.SPIKE and one.samples >= NOTABLE_SPIKES:
+            findings.append(
+                Finding(
+                    "WARN",
+                    f"{', '.join(one.channels)} gave spikes in run {one.run} ({times}), left "
+                    "out: check the cable and its shield",
+                    one.fault,
+                )
+            )
+        elif one.share > NOTABLE.get(one.fault, 1.0):
+            happened, cure = _CURES[one.fault]
+            findings.append(
+                Finding(
+                    "WARN",
+                    f"run {one.run} {happened} for {one.share:.0%} of its samples"
+                    f"{f' ({times})' if times else ''}, left out: {cure}",
+                    one.fault,
+                )
+            )
+        elif one.fault is Fault.TOO_LITTLE:
+            findings.append(
+                Finding(
+                    "WARN",
+                    f"run {one.run} is left out: too little of it can be used; record it again",
+                    one.fault,
+                )
+            )
+    return findings

@@ -15,12 +15,16 @@ from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.recording.run import Readings
 from shoecal_core.recording.schemas import SATURATED
 from shoecal_core.screening.blocks import Blocks, ReadingBlocks
+from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.following import StuckBlocks
 from shoecal_core.screening.noise import spread
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.screening.unresponsive import joined
+from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import Shoe
 
+USELESS_SHARE, USELESS_END_SHARE = 0.01, 0.2
+"""A channel that is saturated for more of the time is no use: unknown to its device, and known."""
 BEYOND_SHARE = 0.2
 """A channel at its end goes no further than this share of what it should, be the end a soft one."""
 END_SHARE = 1e-6
@@ -139,3 +143,50 @@ def saturated(
             if missing > max(least, SCATTER_STDS * scatter / np.sqrt(visits)):
                 found.append(Saturated(channel, level, missing, float(there.mean())))
     return found
+
+
+def describe_saturated(shoe: Shoe, found: Sequence[Saturated]) -> list[Finding]:
+    """Channels that reached an end."""
+    return [
+        Finding(
+            "FAIL" if one.share > USELESS_SHARE else "WARN",
+            f"{shoe.names[one.channel]} is saturated: it goes no further than {one.level:.4g} "
+            f"{shoe.unit}, where it is for {one.share:.1%} of the time"
+            f"{'' if np.isnan(one.missing) else f', with {one.missing:.1f} N missing'}: lower its "
+            "amplification",
+            Fault.SATURATED,
+        )
+        for one in found
+    ]
+
+
+def describe_ends(shoe: Shoe, ends: BoolArray, readings: FloatArray) -> list[Finding]:
+    """Channels at the end of their converter's range: every such reading counts, in use too.
+
+    Args:
+        ends: (T, n) which of the readings (T, n) are at an end.
+    """
+    share = ends.mean(axis=0)
+    useless = share > USELESS_END_SHARE
+    findings = []
+    for verdict, channels in (("FAIL", useless), ("WARN", (share > 0.0) & ~useless)):
+        if not channels.any():
+            continue
+        names = [shoe.names[channel] for channel in np.flatnonzero(channels)]
+        there = ends & channels
+        count = int(there.any(axis=1).sum())
+        levels = np.unique(readings[there & np.isfinite(readings)])
+        level = f", at {levels[0]:.10g} {shoe.unit}" if len(levels) == 1 else ""
+        one = len(names) == 1
+        findings.append(
+            Finding(
+                verdict,
+                f"{', '.join(names)} {'is' if one else 'are'} at the end of "
+                f"{'its' if one else 'their'} range in {count / len(ends):.1%} of the samples "
+                f"({count} of {len(ends)} messages{level}), where the converter goes no further: "
+                f"lower {'its' if one else 'their'} amplification or check "
+                f"{'its' if one else 'their'} wiring",
+                Fault.SATURATED,
+            )
+        )
+    return findings

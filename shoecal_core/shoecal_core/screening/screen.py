@@ -14,20 +14,32 @@ from shoecal_core.recording.run import Run
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.lifting import detect_lifted_foot
 from shoecal_core.samples.stretches import JOIN_S, stretches
-from shoecal_core.screening import findings as words
 from shoecal_core.screening.blocks import blocks
-from shoecal_core.screening.carrying import MovingFoot
+from shoecal_core.screening.carrying import MovingFoot, describe_moving_feet
+from shoecal_core.screening.clocks import describe_clock_rate, describe_time_offset
 from shoecal_core.screening.disturbed import FAST_MOTIONS
 from shoecal_core.screening.faults import Fault
-from shoecal_core.screening.findings import of_clock_rate, of_time_offset
-from shoecal_core.screening.imu import wrong_mount
-from shoecal_core.screening.result import LeftOut, Screening
-from shoecal_core.screening.saturated import at_ends_or_marked, ended
+from shoecal_core.screening.imu import describe_imu, wrong_mount
+from shoecal_core.screening.result import LeftOut, Screening, describe_left_out
+from shoecal_core.screening.saturated import (
+    at_ends_or_marked,
+    describe_ends,
+    describe_saturated,
+    ended,
+)
 from shoecal_core.screening.settings import CalibrationSettings
-from shoecal_core.screening.soles import Soles
+from shoecal_core.screening.soles import Soles, describe_soles
 from shoecal_core.screening.standing import screen_standing
-from shoecal_core.screening.units import other_units, units_of_walks
-from shoecal_core.screening.unresponsive import dead, dead_feet, stuck, stuck_channels
+from shoecal_core.screening.units import describe_units, other_units, units_of_walks
+from shoecal_core.screening.unresponsive import (
+    dead,
+    dead_feet,
+    describe_dead,
+    describe_dead_feet,
+    describe_stuck,
+    stuck,
+    stuck_channels,
+)
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import Shoe
 
@@ -58,7 +70,7 @@ def screen(
     """
     runs, aligned = dict(sorted(runs.items())), dict(sorted(aligned.items()))
     found = Screening(
-        findings=() if clock_rate else tuple(of_time_offset(time_offset)),
+        findings=() if clock_rate else tuple(describe_time_offset(time_offset)),
         time_offset=time_offset,
         samples={number: len(run.readings.time) for number, run in runs.items()},
         left_out=_lost(runs, aligned, shoe),
@@ -75,17 +87,17 @@ def screen(
             if number not in double and not runs[number].info.hanging
         }
         units = other_units(shoe, double, weight, settings) or units_of_walks(shoe, walks, weight)
-        found = found.adding(words.of_units(shoe, units))
+        found = found.adding(describe_units(shoe, units))
     if found.fails:
         return found
-    found = found.adding(words.of_left_out(found.left_out) + _cells(runs, aligned, shoe))
-    found = found.adding(words.of_soles(soles or {}))
+    found = found.adding(describe_left_out(found.left_out) + _cells(runs, aligned, shoe))
+    found = found.adding(describe_soles(soles or {}))
     if not found.fails:  # else a dead foot seems to carry never or always
-        found = found.adding(words.of_moving_feet(moving or {}))
+        found = found.adding(describe_moving_feet(moving or {}))
     if not soles:  # else the legs say nothing about the IMU
-        found = found.adding(words.of_imu(wrong_mount(runs, double)))
+        found = found.adding(describe_imu(wrong_mount(runs, double)))
     if not found.fails:  # else what the CoP shows of the clocks is that fault's
-        found = found.adding(of_clock_rate(clock_rate))
+        found = found.adding(describe_clock_rate(clock_rate))
     if found.fails or not double:
         return found
     lifting = {
@@ -133,9 +145,9 @@ def _cells(runs: Mapping[int, Run], aligned: Mapping[int, Aligned], shoe: Shoe) 
     ends_of = {end.channel for end in at_end}
     still = stuck(parts, [one for one in found if one.channel not in ends_of])
     return [
-        *words.of_dead(shoe, silent),
-        *words.of_dead_feet(dead_feet(shoe, parts)),
-        *words.of_ends(shoe, ends, np.concatenate([run.readings.value for run in runs.values()])),
-        *words.of_saturated(shoe, at_end),
-        *words.of_stuck(shoe, still),
+        *describe_dead(shoe, silent),
+        *describe_dead_feet(dead_feet(shoe, parts)),
+        *describe_ends(shoe, ends, np.concatenate([run.readings.value for run in runs.values()])),
+        *describe_saturated(shoe, at_end),
+        *describe_stuck(shoe, still),
     ]

@@ -16,6 +16,8 @@ from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.screening.blocks import block_size, in_blocks
+from shoecal_core.screening.faults import Fault
+from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import FEET, Shoe
 
 AXES = ("fx", "fy")
@@ -93,3 +95,19 @@ def _changes(way: FloatArray) -> list[str]:
     """What is wrong of a foot's axes, in words."""
     turned = [f"{AXES[row]} reversed" for row in (0, 1) if way[row].sum() < 0.0]
     return turned + (["fx and fy exchanged"] if way[0, 0] == 0.0 else [])
+
+
+def describe_sideways(found: SidewaysFault | None) -> list[Finding]:
+    """Sideways axes of six-axis sensors that do not cancel as they are."""
+    if found is None:
+        return []
+    ways = ", or ".join(" and ".join(way) for way in found.ways)
+    return [
+        Finding(
+            "FAIL",
+            "the feet's sideways forces do not cancel while the robot stands on both; they would "
+            f"with {ways}: push the standing robot forward and to the left to see, then correct "
+            "the axes' polarity or names in the shoe file, or the sensor's frame at its driver",
+            Fault.INVERTED,
+        )
+    ]

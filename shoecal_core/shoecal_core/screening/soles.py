@@ -12,6 +12,8 @@ from shoecal_core.recording.run import Run
 from shoecal_core.robot.joint_zeros import OpenLoop, open_loop
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.samples.aligned import Aligned
+from shoecal_core.screening.faults import Fault
+from shoecal_core.screening.verdict import Finding, name_runs
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.vertical import both_carry_load
 
@@ -70,3 +72,11 @@ def open_soles(
         ):
             found[number] = Soles(loop, loaded)
     return found
+
+
+def describe_soles(found: Mapping[int, Soles]) -> list[Finding]:
+    """Runs whose soles are not level by the joint angles, those of one cause together."""
+    return [
+        Finding("FAIL", f"{name_runs(runs)}: {soles.text}", Fault.JOINT_ZERO)
+        for runs, soles in pooled(found)
+    ]

@@ -12,31 +12,31 @@ from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.lifting import TRANSIT_S, LiftedFoot, lifted
 from shoecal_core.samples.stretches import JOIN_S, lasting, stretches, widened
-from shoecal_core.screening import findings as words
 from shoecal_core.screening.blocks import Blocks, blocks
-from shoecal_core.screening.closure import FootMotion, Slipped, feet, slips
+from shoecal_core.screening.closure import FootMotion, Slipped, describe_slips, feet, slips
 from shoecal_core.screening.disturbed import disturbed
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.hanging import both_hang, without
 from shoecal_core.screening.noise import noise
-from shoecal_core.screening.pulled import Pull, pulls, wavering
+from shoecal_core.screening.pulled import Pull, describe_pulls, describe_wavering, pulls, wavering
 from shoecal_core.screening.quasi_static import too_fast
-from shoecal_core.screening.result import LeftOut, Screening
+from shoecal_core.screening.result import LeftOut, Screening, describe_left_out
 from shoecal_core.screening.rough_fit import Equations, equations, prior, reweighed, solve
 from shoecal_core.screening.saturated import (
     AT_END_STDS,
     Saturated,
     at_ends,
+    describe_saturated,
     saturated,
 )
 from shoecal_core.screening.settings import CalibrationSettings
-from shoecal_core.screening.sideways import sideways_fault
+from shoecal_core.screening.sideways import describe_sideways, sideways_fault
 from shoecal_core.screening.spikes import find_jumps
 from shoecal_core.screening.verdict import Finding
-from shoecal_core.screening.wandering import wandering
-from shoecal_core.screening.weights import wrong_weights
-from shoecal_core.screening.wiring import check_wiring
-from shoecal_core.screening.zeros import moved_zeros, starts, starts_at_zero
+from shoecal_core.screening.wandering import describe_wandering, wandering
+from shoecal_core.screening.weights import describe_weights, wrong_weights
+from shoecal_core.screening.wiring import check_wiring, describe_wiring
+from shoecal_core.screening.zeros import describe_zeros, moved_zeros, starts, starts_at_zero
 from shoecal_core.shoe.sensing import MINIMUM_FORCE
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters, cop, foot_wrenches
@@ -90,7 +90,7 @@ def screen_standing(
     if wavers is not None:
         wiring = check_wiring(shoe, parts, information, weight, settings)
         return found.adding(
-            words.of_wiring(shoe, wiring) if wiring.clear else words.of_wavering(wavers)
+            describe_wiring(shoe, wiring) if wiring.clear else describe_wavering(wavers)
         )
     if several:
         height = float(np.median([np.median(one.states.com[:, 0, 2]) for one in aligned.values()]))
@@ -99,7 +99,7 @@ def screen_standing(
         )
     slow = {run: aligned[run] for run, lift in lifting.items() if lift is None and run not in fast}
     if not found.fails:
-        found = found.adding(words.of_sideways(sideways_fault(shoe, slow, weight)))
+        found = found.adding(describe_sideways(sideways_fault(shoe, slow, weight)))
     if found.fails:
         return found
     pulled = {one.run: one for one in pulls(rows, parts, watched, information, weight, settings)}
@@ -109,12 +109,12 @@ def screen_standing(
     # With gains of a single run, a pull on the other one looks like a cell at its end.
     checked = sound if any(one.undecided for one in pulled.values()) else rows
     ended = saturated({run: parts[run] for run in checked}, missing, fit.parameters.gain, settings)
-    found = found.adding(words.of_saturated(shoe, ended))
+    found = found.adding(describe_saturated(shoe, ended))
     if found.fails:
         return found
     wrong = wrong_weights(sound, information, settings)
-    found = found.adding(words.of_pulls(list(pulled.values())))
-    found = found.adding(words.of_weights(wrong))
+    found = found.adding(describe_pulls(list(pulled.values())))
+    found = found.adding(describe_weights(wrong))
     if found.fails:
         return found
     fitting = {run: one for run, one in rows.items() if run not in {one.run for one in wrong}}
@@ -128,7 +128,7 @@ def screen_standing(
     }
     found = replace(found, hanging={run: one for run, one in hanging.items() if run in fitting})
     slipped = _slipped(moments)
-    found = found.adding(words.of_slips(slipped))
+    found = found.adding(describe_slips(slipped))
     for run, one in aligned.items():
         if run in moments:
             slip = slipped.get(run)
@@ -158,11 +158,11 @@ def _zeros_or_cables(
     tared = starts_at_zero(shoe, at_zero)
     moved = moved_zeros(rows, information, weight, height, settings, tared, at_zero)
     if moved is not None:
-        return words.of_zeros(shoe, moved, weight)
+        return describe_zeros(shoe, moved, weight)
     wanders = wandering(shoe, rows, parts, information, weight, settings)
     if wanders is not None:
-        return words.of_wandering(shoe, wanders)
-    return words.of_wiring(shoe, check_wiring(shoe, parts, information, weight, settings))
+        return describe_wandering(shoe, wanders)
+    return describe_wiring(shoe, check_wiring(shoe, parts, information, weight, settings))
 
 
 def _slipped(moments: Mapping[int, _Moments]) -> dict[int, Slipped]:
@@ -319,7 +319,7 @@ def _leaving_out(
     off = (Fault.LIFTED, Fault.LIFTING, Fault.HANGING)
     standing = before & ~np.any([moments.marked[fault] for fault in off], axis=0)
     return replace(
-        found.adding(words.of_left_out(notable)),
+        found.adding(describe_left_out(notable)),
         left_out=(*found.left_out, *lost),
         kept={**found.kept, run: kept},
         standing={**found.standing, run: standing},

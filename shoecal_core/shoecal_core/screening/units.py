@@ -6,15 +6,17 @@ newtons or newton metres: N mm that are taken for N m make all gains of moments 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.screening.blocks import blocks
+from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.rough_fit import fit_roughly
 from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.units import FORCES, MOMENTS, named_unit
 from shoecal_core.shoe.vertical import polarity_known, vertical_forces
@@ -131,3 +133,18 @@ def _steps(aligned: Aligned) -> bool:
     """Whether each foot is lifted at times."""
     low, high = np.percentile(aligned.states.translation[:, 2], RANGE)
     return bool(low < -STEP_M and high > STEP_M)
+
+
+def describe_units(shoe: Shoe, found: Sequence[OtherUnit]) -> list[Finding]:
+    """Six-axis sensors that read in other units than the shoe file says."""
+    return [
+        Finding(
+            "FAIL",
+            f"{one.kind} look like {one.name} "
+            f"({', '.join(shoe.names[channel] for channel in one.channels)}): {one.shown_by}; "
+            f"multiply the nominal_gain of all {one.kind} "
+            f"by {one.size:.6g} in the shoe file (or set 'scale' in the mapping of a CSV import)",
+            Fault.UNIT,
+        )
+        for one in found
+    ]

@@ -10,8 +10,10 @@ import numpy as np
 from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.samples.stretches import stretches
 from shoecal_core.screening.blocks import ReadingBlocks
+from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.following import NOISE_RANGE, StuckBlocks, all_stuck, neighbours
-from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.screening.verdict import Finding, name_runs
+from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_core.shoe.vertical import polarity_known, vertical_forces
 
 DEAD_SHARE = 0.02
@@ -141,3 +143,47 @@ def _noise(runs: Mapping[int, ReadingBlocks]) -> FloatArray:
     """(n,) the largest of any run."""
     noise: FloatArray = np.max([blocks.noise for blocks in runs.values()], axis=0)
     return noise
+
+
+def describe_dead(shoe: Shoe, channels: Sequence[int]) -> list[Finding]:
+    """Channels that never answer."""
+    return [
+        Finding(
+            "FAIL",
+            f"{shoe.names[channel]} does not answer to load: check its cable, then record again",
+            Fault.DEAD,
+        )
+        for channel in channels
+    ]
+
+
+def describe_dead_feet(feet: Mapping[int, int]) -> list[Finding]:
+    """Feet of which nothing answers in single runs."""
+    findings = []
+    for foot, name in enumerate(FEET):
+        runs = sorted(run for run, one in feet.items() if one == foot)
+        if runs:
+            text = (
+                f"nothing of the {name} foot answers in {name_runs(runs)}, though it does in others"
+                ": check its plug and its driver, then record again, or leave these runs out"
+            )
+            findings.append(Finding("FAIL", text, Fault.DEAD))
+    return findings
+
+
+def describe_stuck(shoe: Shoe, found: Sequence[Stuck]) -> list[Finding]:
+    """Channels that stopped answering, each with all its stretches."""
+    findings = []
+    for channel in sorted({one.channel for one in found}):
+        own = [one for one in found if one.channel == channel]
+        places = ", ".join(f"run {one.run} from {one.start:.0f} to {one.end:.0f} s" for one in own)
+        findings.append(
+            Finding(
+                "FAIL",
+                f"{shoe.names[channel]} is stuck at {own[0].level:.4g} {shoe.unit} while its "
+                f"neighbours move ({places}): check its cable, then record again, or leave these "
+                "runs out",
+                Fault.STUCK,
+            )
+        )
+    return findings

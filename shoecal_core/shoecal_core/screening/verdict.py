@@ -49,3 +49,9 @@ def split_reason(reason: str, verdict: str) -> tuple[str, str]:
     """Level and text of one of a verdict's reasons; the verdict's own where it names none."""
     level, mark, text = reason.partition(": ")
     return (level, text) if mark and level in VERDICTS else (verdict, reason)
+
+
+def name_runs(numbers: Sequence[int]) -> str:
+    """Some runs, in words."""
+    *others, last = map(str, sorted(numbers))
+    return f"runs {', '.join(others)} and {last}" if others else f"run {last}"

@@ -17,8 +17,10 @@ import numpy as np
 
 from shoecal_core.arrays import FloatArray
 from shoecal_core.screening.blocks import Blocks
+from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.rough_fit import Equations, reweighed, solve
 from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import Shoe
 
 LEFT = 0.2
@@ -93,3 +95,16 @@ def _with_own(
     extra = fit.vector[len(information) :].reshape(len(runs), 2)
     course = np.concatenate([changes[run] @ mine for run, mine in zip(runs, extra, strict=True)])
     return fit.cost, float(np.ptp(course))
+
+
+def describe_wandering(shoe: Shoe, found: Wandering) -> list[Finding]:
+    """A cell whose zero does not stay."""
+    return [
+        Finding(
+            "FAIL",
+            f"the zero of {shoe.names[found.channel]} wanders by {found.force:.1f} N between and "
+            "within the runs: look for water, a loose cable, or a cell that was overloaded; "
+            "replace it and record again",
+            Fault.MOVED_ZEROS,
+        )
+    ]

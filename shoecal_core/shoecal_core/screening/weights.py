@@ -6,14 +6,16 @@ all runs have in common looks like wrong gains.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from shoecal_core.arrays import FloatArray
+from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.rough_fit import Equations, RoughFit, reweighed, solve
 from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.verdict import Finding
 
 OFF_STDS = 4.0
 """A run's weight is wrong when it is this many of the settings' standard deviations off, beyond
@@ -73,3 +75,31 @@ def _excess(
     typical = np.median(rows, axis=0)
     left_open = float(np.sqrt(typical @ fit.covariance @ typical))
     return WrongWeight(run, excess, OFF_STDS * settings.force_std_n + OPEN_STDS * left_open)
+
+
+def describe_weights(found: Sequence[WrongWeight]) -> list[Finding]:
+    """Runs under another weight; the last two together when it is unknown which is right."""
+    if len(found) > 1 and found[-1].undecided:
+        one, other = found[-2:]
+        apart = (abs(one.excess) + abs(other.excess)) / 2.0
+        undecided = [
+            Finding(
+                "FAIL",
+                f"runs {one.run} and {other.run} were recorded under weights {apart:.1f} N apart "
+                "and no third run shows which is right: see that the robot carries nothing and is "
+                "not held, then record again",
+                Fault.WRONG_WEIGHT,
+            )
+        ]
+        return describe_weights(found[:-2]) + undecided
+    return [
+        Finding(
+            "WARN",
+            f"run {one.run} was recorded with {abs(one.excess):.1f} N "
+            f"{'more' if one.excess > 0.0 else 'less'} on the feet than the others (limit "
+            f"{one.limit:.1f} N) and is left out: see that the robot carries nothing and is not "
+            "held, then record it again",
+            Fault.WRONG_WEIGHT,
+        )
+        for one in found
+    ]

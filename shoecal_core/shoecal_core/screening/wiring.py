@@ -17,10 +17,30 @@ import numpy as np
 
 from shoecal_core.arrays import BoolArray, FloatArray, IntArray
 from shoecal_core.screening.blocks import Blocks
+from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.rough_fit import RoughFit, equations, solve_sums
 from shoecal_core.screening.settings import CalibrationSettings
-from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.screening.verdict import Finding
+from shoecal_core.shoe.shoe import FEET, Shoe
 
+_QUARTER = (
+    "its frame were turned by 90 degrees about z, and then fx and fy are exchanged and one of them "
+    "is reversed, too"
+)
+_TURNED: Mapping[tuple[bool, tuple[str, ...]], str] = {
+    (True, ("mx",)): _QUARTER,
+    (True, ("my",)): _QUARTER,
+    (False, ("mx", "my")): (
+        "its frame were turned by 180 degrees about z, and then fx and fy are reversed, too"
+    ),
+    (False, ("fz", "my")): "its z pointed down, turned about x, and then fy is reversed, too",
+    (False, ("fz", "mx")): "its z pointed down, turned about y, and then fx is reversed, too",
+    (False, ("fz", "mx", "my")): (
+        "it gave what the foot presses on the floor instead of what the floor presses on the "
+        "foot, and then fx and fy are reversed, too"
+    ),
+}
+"""What is inverted, and whether the moments are swapped, where the whole frame is turned."""
 SURE_STDS = 5.0
 """A gain has its sign when it is this many standard deviations off zero."""
 BETTER = 25.0
@@ -231,3 +251,91 @@ def of_feet(shoe: Shoe) -> list[tuple[int, int]]:
         for foot in (0, 1)
     )
     return [(i, right[name]) for name, i in left.items()] if left.keys() == right.keys() else []
+
+
+def describe_wiring(shoe: Shoe, wiring: WiringFaults) -> list[Finding]:
+    """Cells upside down or at each other's place."""
+    if wiring.swapped and set(wiring.swapped) == set(of_feet(shoe)):
+        return [
+            Finding(
+                "FAIL",
+                "left and right are exchanged: what comes as one foot's fits the other; exchange "
+                "their plugs, their topics, or feet.*.link in the robot file, and record again",
+                Fault.SWAPPED,
+            )
+        ]
+    if wiring.swapped and set(wiring.swapped) == set(mirrored(shoe)):
+        return [
+            Finding(
+                "FAIL",
+                "left and right are exchanged as in a mirror: what comes as one cell fits that at "
+                "the same place of the other foot, seen from the middle; exchange the plugs or "
+                "names of both feet cell by cell, and record again",
+                Fault.SWAPPED,
+            )
+        ]
+    frames = _turned_frames(shoe, wiring)
+    known = {channel for _, channels in frames for channel in channels}
+    findings = [Finding("FAIL", text, Fault.INVERTED) for text, _ in frames]
+    findings += [
+        Finding(
+            "FAIL",
+            f"{shoe.names[one]} and {shoe.names[other]} are swapped: what comes as one fits the "
+            "other's place; exchange their cables, or their names at the driver, and record again",
+            Fault.SWAPPED,
+        )
+        for one, other in wiring.swapped
+        if one not in known
+    ]
+    findings += [
+        Finding(
+            "FAIL",
+            f"{shoe.names[one]} and {shoe.names[twin]} contradict each other: one of the two is "
+            "inverted, which of them is not known; push the standing robot along that axis: both "
+            "must show a force against the push; exchange the signal wires of the one that does "
+            "not, or turn its 'polarity' round",
+            Fault.INVERTED,
+        )
+        for one, twin in wiring.contradicting
+    ]
+    return findings + [
+        Finding(
+            "FAIL",
+            f"{shoe.names[channel]} is inverted: its sign is against the shoe file; exchange its "
+            "signal wires, or turn its 'polarity' round",
+            Fault.INVERTED,
+        )
+        for channel in wiring.inverted
+        if channel not in known
+    ]
+
+
+def _turned_frames(shoe: Shoe, wiring: WiringFaults) -> list[tuple[str, tuple[int, ...]]]:
+    """Six-axis sensors of which several axes are wrong as in a frame that is turned as a whole.
+
+    Each in words, with the channels that it explains. Sideways forces are not judged: of both feet
+    turned alike they cancel, and who corrects only what was named leaves them wrong.
+    """
+    alike: dict[tuple[str, str], dict[str, tuple[int, ...]]] = {}
+    for foot in FEET:
+        axes = {axis: f"{foot}/{axis}" for axis in ("fz", "mx", "my")}
+        if not set(axes.values()) <= set(shoe.names):
+            continue
+        at = {axis: shoe.index(name) for axis, name in axes.items()}
+        swapped = (min(at["mx"], at["my"]), max(at["mx"], at["my"])) in wiring.swapped
+        inverted = tuple(axis for axis, index in at.items() if index in wiring.inverted)
+        how = _TURNED.get((swapped, inverted))
+        if how is not None:
+            wrong = sorted({*inverted, *(("mx", "my") if swapped else ())})
+            channels = tuple(at[axis] for axis in wrong)
+            alike.setdefault((", ".join(wrong), how), {})[foot] = channels
+    found = list[tuple[str, tuple[int, ...]]]()
+    for (listed, how), feet in alike.items():
+        text = (
+            f"several axes of the {' and '.join(feet)} foot's sensor are wrong ({listed}), as if "
+            f"{how}; correct the sensor's frame at its driver, or names and 'polarity' of all its "
+            "axes in the shoe file, and push the standing robot forward and to the left to see fx "
+            "and fy"
+        )
+        found.append((text, tuple(one for channels in feet.values() for one in channels)))
+    return found

@@ -16,8 +16,10 @@ import numpy as np
 
 from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.screening.blocks import Blocks
+from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.rough_fit import Equations, reweighed, solve
 from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.verdict import Finding, name_runs
 from shoecal_core.shoe.priors import TORQUE_LEVER_M
 from shoecal_core.shoe.shoe import FEET, Shoe
 
@@ -226,3 +228,47 @@ def _with_own(
     # A tare takes away what stood on the channels: no more than the weight.
     usual = weight * np.array([1.0, TORQUE_LEVER_M, TORQUE_LEVER_M])
     return own, np.concatenate((information, np.tile(usual**-2.0, count)))
+
+
+def describe_zeros(shoe: Shoe, found: MovedZeros, weight: float) -> list[Finding]:
+    """Channels that were zeroed between the runs."""
+    tare = (
+        "the cells were zeroed (tare) under load between the runs; take the tare out of the "
+        "firmware (HX711 libraries do it in setup()), or keep the boards powered from the first "
+        "run to the last, and record again"
+    )
+    if found.tared:
+        before = " and ".join(
+            f"the {FEET[foot]} foot before {name_runs(runs)}" for foot, runs in found.tared.items()
+        )
+        text = (
+            f"all readings of a loaded foot start at zero ({before}), which hides what it carried: "
+            f"{tare}"
+        )
+        return [Finding("FAIL", text, Fault.MOVED_ZEROS)]
+    than = name_runs(found.reference)
+    if found.channels:
+        names = [shoe.names[one] for one in found.channels]
+        text = (
+            f"the zeros of {name_runs(found.less)} are not those of {than}: {', '.join(names)} "
+            f"{'start' if names[1:] else 'starts'} at zero there, which hides what the foot "
+            f"carried: {tare}"
+        )
+        return [Finding("FAIL", text, Fault.MOVED_ZEROS)]
+    if found.less:
+        less = (
+            f"{name_runs(found.less)} {'read' if found.less[1:] else 'reads'} "
+            f"{found.part or weight:.1f} N less than {than}, "
+        )
+        text = (
+            f"{less}each by as much: if the robot carried nothing and was not held, some of {tare}"
+            if found.part
+            else f"{less}all of the robot's weight: {tare}"
+        )
+        return [Finding("FAIL", text, Fault.MOVED_ZEROS)]
+    moved = " and ".join(f"{1e3 * one:.0f}" for one in found.cop.values())
+    text = (
+        f"the zeros of {name_runs(tuple(found.cop))} are not those of {than}: the CoP "
+        f"moves by {moved} mm with them, at the same weight; {tare}"
+    )
+    return [Finding("FAIL", text, Fault.MOVED_ZEROS)]

@@ -64,8 +64,7 @@ from shoecal_core.recording.train_test import split_runs
 from shoecal_core.robot.double_support import count_distinct
 from shoecal_core.samples.stance import Stance
 from shoecal_core.samples.zeros import with_own_zeros
-from shoecal_core.screening.clocks import LEFT_STD_S
-from shoecal_core.screening.findings import of_time_offset
+from shoecal_core.screening.clocks import LEFT_STD_S, describe_time_offset
 from shoecal_core.screening.result import Screening
 from shoecal_core.screening.settings import PAPER, CalibrationSettings
 from shoecal_core.screening.verdict import Finding, Verdict, judge
@@ -384,7 +383,7 @@ def _verdict(
     assessment: Assessment,
 ) -> Verdict:
     findings = findings + check_gains(data.shoe, stages.guess.polarity, stages.parameters)
-    findings += of_time_offset(stages.time_offset)
+    findings += describe_time_offset(stages.time_offset)
     for name, error in modelled.items():
         findings += check_accuracy(name, error, data.robot, limits[name])
     width, add = min(foot.half_width for foot in data.robot.feet), assessment.support_to_add

@@ -33,7 +33,7 @@ from shoecal_core.planning.supports.observability import Visit
 from shoecal_core.report.weak_table import weak_lines
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.samples.stance import Stance
-from shoecal_core.screening.findings import of_time_offset
+from shoecal_core.screening.clocks import describe_time_offset
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.screening.verdict import Finding, judge, list_reasons, split_reason
 from shoecal_core.shoe.shoe import FEET, Shoe
@@ -50,7 +50,7 @@ def runs(shoe: Shoe, truth: ChannelParameters, rng: np.random.Generator) -> list
 def test_clean_data_pass_every_check(shoe: Shoe, runs: list[Stance]) -> None:
     stages = self_calibrate(shoe, runs, SETTINGS)
     findings = [
-        *of_time_offset(0.049),
+        *describe_time_offset(0.049),
         *check_gains(shoe, stages.guess.polarity, stages.parameters),
     ]
     assert findings == []
@@ -118,7 +118,7 @@ def test_forces_and_torques_are_compared_with_their_own_kind() -> None:
 
 @pytest.mark.parametrize("offset", [1.5, -1.5])
 def test_clocks_further_apart_than_is_looked_for_fail(offset: float) -> None:
-    (finding,) = of_time_offset(offset)
+    (finding,) = describe_time_offset(offset)
     assert finding.verdict == "FAIL"
     assert "not corrected" in finding.reason
 
@@ -131,7 +131,7 @@ def test_directions_that_no_support_could_fix_are_no_finding() -> None:
 
 @pytest.mark.parametrize(("offset", "told"), [(0.06, "late by 60 ms"), (-0.12, "early by 120 ms")])
 def test_clocks_that_are_far_apart(offset: float, told: str) -> None:
-    (finding,) = of_time_offset(offset)
+    (finding,) = describe_time_offset(offset)
     assert finding.verdict == "WARN"
     assert told in finding.reason
     assert "one clock" in finding.reason

@@ -14,8 +14,7 @@ from core.shoe.shoes import made, six_axis
 from shoecal_core.recording.info import RunInfo
 from shoecal_core.recording.run import JointSamples, PoseSamples, Readings, Run
 from shoecal_core.samples.aligned import Aligned
-from shoecal_core.screening.carrying import moving_feet
-from shoecal_core.screening.findings import of_moving_feet
+from shoecal_core.screening.carrying import describe_moving_feet, moving_feet
 
 KINEMATICS = robots.kinematics("nao")
 SHOE = made([*six_axis(0, [0.0, 0.0, 0.03]), *six_axis(1, [0.0, 0.0, 0.03])])
@@ -47,7 +46,7 @@ class Walk:
             base_pose=self.base,
         )  # fmt: skip
         found = moving_feet({1: run}, {1: self.aligned}, SHOE, KINEMATICS.robot)
-        return [finding.reason for finding in of_moving_feet(found)]
+        return [finding.reason for finding in describe_moving_feet(found)]
 
 
 @pytest.fixture(scope="module")

@@ -22,10 +22,9 @@ from shoecal_core.arrays import FloatArray
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.schemas import NO_DATA, SATURATED
 from shoecal_core.screening.faults import Fault
-from shoecal_core.screening.findings import of_wiring
 from shoecal_core.screening.result import Screening
 from shoecal_core.screening.screen import screen
-from shoecal_core.screening.wiring import WiringFaults, mirrored, of_feet
+from shoecal_core.screening.wiring import WiringFaults, describe_wiring, mirrored, of_feet
 
 Spoil = Callable[[Recording, np.random.Generator], Recording]
 
@@ -344,9 +343,9 @@ def test_no_runs_no_findings() -> None:
 
 def test_exchanged_feet_are_told_in_one_line() -> None:
     shoe = recording().shoe
-    (finding,) = of_wiring(shoe, WiringFaults((), tuple(of_feet(shoe))))
+    (finding,) = describe_wiring(shoe, WiringFaults((), tuple(of_feet(shoe))))
     assert finding.reason.startswith("left and right are exchanged")
-    assert len(of_wiring(shoe, WiringFaults((), ((0, 4), (1, 5))))) == 2
+    assert len(describe_wiring(shoe, WiringFaults((), ((0, 4), (1, 5))))) == 2
 
 
 def test_feet_exchanged_as_in_a_mirror_are_told_in_one_line() -> None:

@@ -11,8 +11,7 @@ import pytest
 from core.screening.recordings import WEIGHT, Recording, recording
 from core.shoe.shoes import made, six_axis
 from shoecal_core.arrays import FloatArray
-from shoecal_core.screening.findings import of_sideways
-from shoecal_core.screening.sideways import SidewaysFault, sideways_fault
+from shoecal_core.screening.sideways import SidewaysFault, describe_sideways, sideways_fault
 
 SHOE = made([*six_axis(0, [0.0, 0.01, 0.03]), *six_axis(1, [0.0, -0.01, 0.03])])
 
@@ -45,7 +44,7 @@ def changed(whole: Recording, change: Callable[[FloatArray], FloatArray]) -> Rec
 
 def test_axes_that_are_right() -> None:
     assert found(pressing()) is None
-    assert of_sideways(None) == []
+    assert describe_sideways(None) == []
 
 
 def test_forces_that_are_those_of_an_accelerated_robot_say_nothing() -> None:
@@ -79,7 +78,7 @@ def test_a_reversed_axis(foot: str, axis: str) -> None:
     assert fault is not None
     assert (f"{foot}/{axis} reversed",) in fault.ways
     assert all(len(way) == 1 for way in fault.ways)
-    (finding,) = of_sideways(fault)
+    (finding,) = describe_sideways(fault)
     assert finding.verdict == "FAIL"
     assert f"{foot}/{axis} reversed" in finding.reason
 

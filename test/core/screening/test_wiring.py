@@ -17,9 +17,8 @@ from core.screening.recordings import (
 from core.shoe.shoes import made, six_axis
 from shoecal_core.arrays import FloatArray
 from shoecal_core.screening.blocks import blocks
-from shoecal_core.screening.findings import of_wiring
 from shoecal_core.screening.rough_fit import prior
-from shoecal_core.screening.wiring import WiringFaults, check_wiring, of_feet
+from shoecal_core.screening.wiring import WiringFaults, check_wiring, describe_wiring, of_feet
 
 PAIRS = list(combinations(range(8), 2))
 
@@ -134,7 +133,7 @@ def test_of_two_sideways_axes_that_contradict_each_other_neither_is_blamed(
     pair = (SHOE.index(f"left/{axis}"), SHOE.index(f"right/{axis}"))
     found = wiring(pressing(seed).with_channel(turned, lambda _, values: -values))
     assert found == WiringFaults((), (), (pair,))
-    (one,) = of_wiring(SHOE, found)
+    (one,) = describe_wiring(SHOE, found)
     assert one.reason.startswith(
         f"left/{axis} and right/{axis} contradict each other: one of the two is inverted"
     )
@@ -168,7 +167,7 @@ def test_a_sensor_turned_as_a_whole_is_one_line(
     at = {axis: shoe.index(f"left/{axis}") for axis in ("fz", "mx", "my")}
     pairs = ((at["mx"], at["my"]),) if swapped else ()
     right = shoe.index("right/mx")
-    found = of_wiring(shoe, WiringFaults((*(at[axis] for axis in inverted), right), pairs))
+    found = describe_wiring(shoe, WiringFaults((*(at[axis] for axis in inverted), right), pairs))
     whole, single = (finding.reason for finding in found)
     assert words in whole
     assert "left foot's sensor" in whole
@@ -179,5 +178,5 @@ def test_a_sensor_turned_as_a_whole_is_one_line(
 def test_both_feet_turned_alike_are_one_line() -> None:
     shoe = made([*six_axis(0, [0.0, 0.0, 0.03]), *six_axis(1, [0.0, 0.0, 0.03])])
     moments = tuple(i for i in range(len(shoe.names)) if shoe.torque[i])
-    (finding,) = of_wiring(shoe, WiringFaults(moments, ()))
+    (finding,) = describe_wiring(shoe, WiringFaults(moments, ()))
     assert "left and right foot's sensor" in finding.reason

@@ -13,9 +13,8 @@ from core.screening.test_weights import carrying
 from core.shoe import shoes
 from shoecal_core.screening.blocks import block_size, blocks
 from shoecal_core.screening.faults import Fault
-from shoecal_core.screening.findings import of_zeros
 from shoecal_core.screening.rough_fit import equations, prior
-from shoecal_core.screening.zeros import MovedZeros, moved_zeros
+from shoecal_core.screening.zeros import MovedZeros, describe_zeros, moved_zeros
 from shoecal_core.shoe.shoe import FEET
 
 
@@ -51,7 +50,7 @@ def test_a_tare_under_load_before_some_runs(runs: tuple[int, ...]) -> None:
     assert moved is not None
     assert moved.less == runs
     assert moved.reference == tuple(run for run in range(1, 5) if run not in runs)
-    (finding,) = of_zeros(shoes.shoe("nao_shoe"), moved, WEIGHT)
+    (finding,) = describe_zeros(shoes.shoe("nao_shoe"), moved, WEIGHT)
     assert finding.verdict == "FAIL"
     assert f"{WEIGHT:.1f} N less than" in finding.reason
     assert "zeroed (tare) under load" in finding.reason
@@ -67,7 +66,7 @@ def test_a_tare_of_one_foot_under_load_before_later_runs(foot: str) -> None:
     moved = found(whole.with_readings(lambda run, values: values - zero * (run >= 3)))
     assert moved is not None
     assert (moved.less, moved.reference) == ((3, 4, 5), (1, 2))
-    (finding,) = of_zeros(shoes.shoe("nao_shoe"), moved, WEIGHT)
+    (finding,) = describe_zeros(shoes.shoe("nao_shoe"), moved, WEIGHT)
     assert finding.verdict == "FAIL"
     assert f"{moved.part:.1f} N less than runs 1 and 2, each by as much" in finding.reason
 
@@ -103,7 +102,7 @@ def test_a_tare_in_another_posture_before_each_run() -> None:
     assert moved is not None
     assert moved.less == ()
     assert moved.cop
-    (finding,) = of_zeros(shoes.shoe("nao_shoe"), moved, WEIGHT)
+    (finding,) = describe_zeros(shoes.shoe("nao_shoe"), moved, WEIGHT)
     assert "at the same weight" in finding.reason
 
 
