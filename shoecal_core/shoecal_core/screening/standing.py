@@ -32,6 +32,7 @@ from shoecal_core.screening.saturated import (
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.screening.sideways import describe_sideways, sideways_fault
 from shoecal_core.screening.spikes import find_jumps
+from shoecal_core.screening.turned_frames import describe_turned_frames, turned_frames
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.screening.wandering import describe_wandering, wandering
 from shoecal_core.screening.weights import describe_weights, wrong_weights
@@ -162,7 +163,10 @@ def _zeros_or_cables(
     wanders = wandering(shoe, rows, parts, information, weight, settings)
     if wanders is not None:
         return describe_wandering(shoe, wanders)
-    return describe_wiring(shoe, check_wiring(shoe, parts, information, weight, settings))
+    wiring = describe_wiring(shoe, check_wiring(shoe, parts, information, weight, settings))
+    return wiring or describe_turned_frames(
+        turned_frames(shoe, parts, information, weight, settings)
+    )
 
 
 def _slipped(moments: Mapping[int, _Moments]) -> dict[int, Slipped]:

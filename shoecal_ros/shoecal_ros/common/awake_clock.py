@@ -8,9 +8,9 @@ from collections.abc import Callable
 
 LONGEST_S = 0.25
 """More than this between two looks was sleep: a node looks every `node.WATCH_S` at least."""
-CATCH_UP_S = 2.0 * LONGEST_S
-"""After a sleep: hundreds of messages are heard in that time, also where other processes take as
-much of it as is no sleep yet."""
+CATCH_UP_S = 0.1
+"""After a sleep: hundreds of messages are heard in that time. With more of it a planner that was
+held up for half a second would end its motion."""
 
 
 class AwakeClock:

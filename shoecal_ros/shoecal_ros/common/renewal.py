@@ -84,7 +84,9 @@ class Renewal:
 
     def piece(self, time: float, timeout_s: float = TIMEOUT_S) -> JointTrajectory:
         """The next piece, which begins at a time [s] and ends at rest `timeout_s` later at most."""
-        begin = self._state(time)
+        begin, earlier = self._state(time), [knot for knot in self._knots if knot.time < time]
+        if np.isinf(self.begun):
+            earlier = []  # where it begins it has rested until now
         self._before = (self.begun, self.timeout_s, self._knots)
         self.begun, self.timeout_s = time, timeout_s
         brake_s = _BRAKE * timeout_s
@@ -100,7 +102,7 @@ class Renewal:
         else:
             braking = cruising.after(brake_at - cruising.time, 1.0)
             coming = [begin, cruising, braking, braking.after(brake_s, 0.0)]
-        self._knots = [knot for knot in self._knots if knot.time < time] + coming
+        self._knots = earlier + coming
         return self._sampled([knot.time for knot in coming])
 
     def take_back(self) -> None:

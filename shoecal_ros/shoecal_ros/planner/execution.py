@@ -284,7 +284,8 @@ class Execution:
         Either joint angles came late, of which `stale_s` says how late they may, or this node was
         away as long, and does not know what has become of the robot.
         """
-        away_s, problem = part.elapsed - part.renewal.begun, ""
+        # Before the first piece it waits for that one.
+        away_s, problem = part.elapsed - max(part.renewal.begun, 0.0), ""
         late_s = self._mover.moving.stale_s * self._mover.robot_time.rate
         if away_s < 0.0:
             problem = (

@@ -47,9 +47,9 @@ def six_axis(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize(
     ("force", "moment", "told"),
     [
-        (1.0, 1e3, ["moments look like N mm: ", "the nominal_gain of all moments by 0.001 in"]),
-        (1e-3, 1.0, ["forces look like kN: ", "the nominal_gain of all forces by 1000 in"]),
-        (1.0 / 9.80665, 1.0, ["forces look like kgf or kg: ", "of all forces by 9.80665 in"]),
+        (1.0, 1e3, ["moments look like N mm (", "the nominal_gain of all moments by 0.001 in"]),
+        (1e-3, 1.0, ["forces look like kN (", "the nominal_gain of all forces by 1000 in"]),
+        (1.0 / 9.80665, 1.0, ["forces look like kgf or kg (", "of all forces by 9.80665 in"]),
         (1.0, 1.0, []),
     ],
 )

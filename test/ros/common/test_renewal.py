@@ -117,6 +117,13 @@ def test_a_piece_that_was_not_sent_changes_nothing() -> None:
     np.testing.assert_array_equal(renewal.piece(0.6).positions, other.piece(0.6).positions)
 
 
+def test_until_a_first_piece_that_comes_late_it_rests() -> None:
+    renewal = Renewal(motion(5.0))
+    renewal.piece(0.4)
+    for time, path in ((0.0, 0.0), (0.39, 0.0), (0.4, 0.0), (0.5, 0.1)):
+        assert renewal.path_time(time) == pytest.approx(path)
+
+
 def test_a_short_one_is_sent_whole() -> None:
     renewal = Renewal(motion(0.3))
     assert renewal.piece(0.0).duration == pytest.approx(0.3)

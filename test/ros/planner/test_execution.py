@@ -61,7 +61,7 @@ def standing() -> Motion:
 class Scene:
     """An armed robot that has just been sent a motion, and an execution that watches it."""
 
-    def __init__(self) -> None:
+    def __init__(self, slept_s: float = 0.0) -> None:
         self.clock = clock = Clock()
         moving = MovingSettings(tilt_required=False, load_required=False)
         self.sent: list[JointTrajectory] = []
@@ -98,10 +98,11 @@ class Scene:
         self.execution = Execution(self.mover, self.order)
         self.execution.check_ready()
         motion = standing()
+        clock.now += slept_s
         self._following = self.execution.follow(self.execution.commanded(motion), motion)
         self._following.send(None)
         assert self.execution.following
-        assert len(self.sent) == 1
+        assert len(self.sent) == (0 if slept_s else 1)
 
     def tell(self, angles: FloatArray, times: int = 1, *, stamp_ns: int | None = None) -> None:
         """Joint angles come, of the next period or of another time."""
@@ -222,6 +223,17 @@ def test_after_a_sleep_nothing_is_sent_before_what_waited_is_heard(scene: Scene)
     scene.clock.now += 0.23 * CATCH_UP_S
     scene.tell(ANGLES)
     assert len(scene.sent) == sent + 1
+
+
+def test_a_motion_that_begins_after_a_sleep_waits_for_its_first_piece() -> None:
+    scene = Scene(slept_s=0.4)
+    for _ in range(5):
+        scene.tell(ANGLES, 5)
+        assert not scene.sent
+        scene.clock.now += 0.23 * CATCH_UP_S
+    scene.tell(ANGLES)
+    assert len(scene.sent) == 1
+    assert scene.execution.following
 
 
 def test_joint_angles_may_be_as_late_as_the_settings_say(scene: Scene) -> None:
