@@ -69,7 +69,7 @@ def turned_frames(
 
 
 def describe_turned_frames(angles: FloatArray | None) -> list[Finding]:
-    """Frames to turn back."""
+    """Frames to turn back, by angles (2,) [rad]."""
     if angles is None:
         return []
     turned = " and ".join(

@@ -259,3 +259,7 @@ def test_what_the_fit_takes_the_robot_for() -> None:
         "is off by 28 mrad (7 tolerances): correct CoMs in the URDF, or the soles' place"
     )
     assert finding.reason.endswith(" and the zeros of the joints, then calibrate again")
+    joints = ("LHipRoll", "LKneePitch", "RHipRoll", "RKneePitch")
+    many = [fitted("joint_offset", joint, "angle", 0.028, 0.004) for joint in joints]
+    assert "a link of the legs" not in check_robot(many[:3])[0].reason
+    assert "4 zeros at once: a link of the legs" in check_robot(many)[0].reason
