@@ -81,7 +81,7 @@ def moving_feet(
     for number, one in aligned.items():
         run = runs[number]
         base = run.base_pose
-        if run.info.support is not None or run.info.hanging or base is None or len(base.time) < 2:
+        if run.info.support is not None or base is None or len(base.time) < 2:
             continue
         alone = carried_alone(shoe, one.readings)
         period = float(np.median(np.diff(one.time)))
@@ -97,7 +97,8 @@ def _moving(
     aligned: Aligned, base: PoseSamples, alone: BoolArray, shoe: Shoe, robot: Robot
 ) -> MovingFoot | None:
     world = in_world(aligned, base, robot)
-    found = MovingFoot(_speed(world, alone), _tilt(world, alone), _share(world, alone))
+    speed = _speeds(world)
+    found = MovingFoot(_usual(speed, alone), _tilt(world, alone), _share(speed, alone))
     if found.speed <= MAX_FOOT_SPEED and found.tilt <= MAX_FOOT_TILT and found.share <= MOST_MOVING:
         return None
     turns = np.abs(base.quaternion @ base.quaternion[0]).min()
@@ -108,13 +109,13 @@ def _moving(
         return replace(found, frozen=True)
     if found.speed <= MAX_FOOT_SPEED and found.share <= MOST_MOVING:
         return found
-    if found.speed > MAX_FOOT_SPEED and _speed(world, alone[:, ::-1]) < min(
+    if found.speed > MAX_FOOT_SPEED and _usual(speed, alone[:, ::-1]) < min(
         MAX_FOOT_SPEED, EXPLAINS * found.speed
     ):
         force, _ = vertical_forces(shoe, aligned.readings)
         upwards = float(np.median(force.sum(axis=1))) > 0.0
         return replace(found, exchanged=True, upwards=upwards)
-    shifted, late_s = _shifted(aligned, base, world, alone, robot)
+    shifted, late_s = _shifted(aligned, base, speed, alone, robot)
     if not shifted and found.speed <= MAX_FOOT_SPEED and found.tilt <= MAX_FOOT_TILT:
         # As a base pose that is not exact shows it, too.
         return None
@@ -122,42 +123,50 @@ def _moving(
 
 
 def _shifted(
-    aligned: Aligned, base: PoseSamples, world: World, alone: BoolArray, robot: Robot
+    aligned: Aligned, base: PoseSamples, speed: FloatArray, alone: BoolArray, robot: Robot
 ) -> tuple[str, float]:
-    """What is late, and by how much [s], if that explains how long feet move; else ""."""
+    """What is late, and by how much [s], if that explains how long feet move; else "".
+
+    Args:
+        speed: (T, 2) of the soles as they are [m/s].
+    """
     shifts, time = np.arange(STEP_S, LATEST_S, STEP_S), aligned.time
     tried: dict[tuple[str, float], tuple[float, float]] = {}
     for late in (*shifts.tolist(), *-shifts):
-        moved = in_world(aligned, replace(base, time=base.time - late), robot)
+        moved = _speeds(in_world(aligned, replace(base, time=base.time - late), robot))
         later = alone[np.clip(np.searchsorted(time, time + late), 0, len(time) - 1)]
         tried["the base pose", late] = _way(moved, alone)
-        tried["the readings", late] = _way(world, later)
+        tried["the readings", late] = _way(speed, later)
         # Joints that are late are early by as much for both of the others.
         tried["the joint angles", -late] = _way(moved, later)
     best = min(tried, key=lambda cause: tried[cause])
-    return best if tried[best][1] < EXPLAINS * _share(world, alone) else ("", 0.0)
+    return best if tried[best][1] < EXPLAINS * _share(speed, alone) else ("", 0.0)
 
 
-def _speed(world: World, alone: BoolArray) -> float:
+def _speeds(world: World) -> FloatArray:
+    """(T, 2) of the soles [m/s]."""
+    speed: FloatArray = np.linalg.norm(world.sole_velocity, axis=-1)
+    return speed
+
+
+def _usual(speed: FloatArray, alone: BoolArray) -> float:
     """Median speed of the foot that carries alone, the faster one's [m/s]."""
-    speed = np.linalg.norm(world.sole_velocity, axis=-1)
     return max(float(np.median(speed[alone[:, foot], foot])) for foot in (0, 1))
 
 
-def _share(world: World, alone: BoolArray) -> float:
-    """Part of the time for which it moves."""
-    moves = np.linalg.norm(world.sole_velocity, axis=-1) > MAX_FOOT_SPEED
+def _share(speed: FloatArray, alone: BoolArray) -> float:
+    """Part of that time for which it moves, of the foot that does so for longer."""
+    moves = speed > MAX_FOOT_SPEED
     return max(float(np.mean(moves[alone[:, foot], foot])) for foot in (0, 1))
 
 
-def _way(world: World, alone: BoolArray) -> tuple[float, float]:
-    """How far feet move while they carry, over that time [m/s]; and the share of it."""
-    speed = np.linalg.norm(world.sole_velocity, axis=-1)
-    return float(np.mean(speed[alone])), _share(world, alone)
+def _way(speed: FloatArray, alone: BoolArray) -> tuple[float, float]:
+    """Mean speed of feet that carry alone [m/s], and the share of time for which they move."""
+    return float(np.mean(speed[alone])), _share(speed, alone)
 
 
 def _tilt(world: World, alone: BoolArray) -> float:
-    """The same of how far it leans [rad]."""
+    """Median of how far the foot that carries alone leans, of the one that leans more [rad]."""
     tilt = np.arccos(np.clip(world.sole_rotation[..., 2, 2], -1.0, 1.0))
     return max(float(np.median(tilt[alone[:, foot], foot])) for foot in (0, 1))
 

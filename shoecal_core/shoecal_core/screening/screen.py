@@ -81,11 +81,7 @@ def screen(
         number: one for number, one in aligned.items() if runs[number].info.support is not None
     }
     if not soles:  # else what the legs say of the CoP is wrong
-        walks = {
-            number: one
-            for number, one in aligned.items()
-            if number not in double and not runs[number].info.hanging
-        }
+        walks = {number: one for number, one in aligned.items() if number not in double}
         units = other_units(shoe, double, weight, settings) or units_of_walks(shoe, walks, weight)
         found = found.adding(describe_units(shoe, units))
     if found.fails:

@@ -18,17 +18,20 @@ from shoecal_core.screening.blocks import Blocks
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.rough_fit import equations, solve_sums
 from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.sideways import AXES
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import FEET, Shoe
 
-AXES = (("fx", "fy"), ("mx", "my"))
+PAIRS = (AXES, ("mx", "my"))
+"""Axes that a turn about the vertical mixes."""
 LEAST_RAD, MOST_RAD = np.radians(5.0), np.radians(60.0)
 """Frames that are turned by less are mounted well; by more they look like exchanged axes."""
 LEFT_SHARE = 0.6
 """Of the sum of squares, that the turn leaves at most: 10 degrees of both feet leave 0.33, of one
 0.52. Four sound sessions kept 0.97 or more, by angles up to 1.7 degrees; other faults 0.74."""
 START_RAD = np.radians(10.0)
-"""From which angles the fit starts, besides zero: far off its cost is no parabola."""
+"""Besides zero, the angles from which the fit may start: far off its cost is no parabola. Where
+zero is the best of them, frames are off by about LEAST_RAD at most."""
 
 
 def turned_frames(
@@ -46,7 +49,7 @@ def turned_frames(
         information: (2n,) prior; see `rough_fit.prior`.
         weight: of robot and shoes [N].
     """
-    names = [f"{foot}/{axis}" for foot in FEET for axis in AXES[1]]
+    names = [f"{foot}/{axis}" for foot in FEET for axis in PAIRS[1]]
     if not set(names) <= set(shoe.names):
         return None
 
@@ -61,6 +64,8 @@ def turned_frames(
 
     starts = [np.array(pair) for pair in product((-START_RAD, 0.0, START_RAD), repeat=2)]
     start = min(starts, key=cost)
+    if not start.any():
+        return None
     best = minimize(cost, start, method="BFGS", options={"gtol": 1e-2})
     angles: FloatArray = best.x
     if not LEAST_RAD < np.abs(angles).max() < MOST_RAD:
@@ -91,7 +96,7 @@ def describe_turned_frames(angles: FloatArray | None) -> list[Finding]:
 def _turned(shoe: Shoe, columns: FloatArray, angles: FloatArray) -> FloatArray:
     """Columns (n, 3) of sensors whose frames are turned by angles (2,) [rad]."""
     turned = columns.copy()
-    for (foot, angle), axes in product(zip(FEET, angles.tolist(), strict=True), AXES):
+    for (foot, angle), axes in product(zip(FEET, angles.tolist(), strict=True), PAIRS):
         pair = [f"{foot}/{axis}" for axis in axes]
         if set(pair) <= set(shoe.names):
             along, across = map(shoe.index, pair)

@@ -116,9 +116,9 @@ def units_of_walks(shoe: Shoe, walks: Mapping[int, Aligned], weight: float) -> l
             f"by their nominal_gain each foot's load goes through {force:.3g} N in a walk, "
             f"the weight is {weight:.3g} N"
         )
-        channels = np.flatnonzero(~shoe.torque & shoe.vertical)
+        channels = np.flatnonzero(shoe.vertical)
         found.append(OtherUnit("forces", tuple(channels.tolist()), *unit, shown_by))
-    moments = np.flatnonzero(shoe.torque & shoe.columns[:, 1:].any(axis=1))
+    moments = np.flatnonzero(shoe.torque)
     levers = ranges[moments] / (size * loads[shoe.foot[moments]])
     lever = float(np.median(levers))
     if lever > LONGEST_LEVER:

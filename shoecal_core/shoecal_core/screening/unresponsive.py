@@ -56,10 +56,10 @@ def dead(shoe: Shoe, runs: Mapping[int, ReadingBlocks]) -> list[int]:
 def dead_feet(shoe: Shoe, runs: Mapping[int, ReadingBlocks]) -> dict[int, int]:
     """The foot (index) of which no channel moves in a run where the other one's load does, by run.
 
-    Nothing where the polarity of vertical channels is not known.
-    The load of the other one, since a foot may also hang: then that stays the weight.
+    The load of the other one, since a foot may also hang: then that stays the weight. Nothing where
+    the polarity of vertical channels is not known, or with one run.
     """
-    if not polarity_known(shoe):
+    if len(runs) < 2 or not polarity_known(shoe):
         return {}
     ranges = {run: _ranges({run: blocks}) for run, blocks in runs.items()}
     loads = {
@@ -69,8 +69,6 @@ def dead_feet(shoe: Shoe, runs: Mapping[int, ReadingBlocks]) -> dict[int, int]:
     found = {}
     for run, moved in ranges.items():
         others = [number for number in ranges if number != run]
-        if not others:
-            continue
         usual = np.median([ranges[number] for number in others], axis=0)
         load = loads[run] > USUAL_SHARE * np.median([loads[number] for number in others], axis=0)
         for foot in (0, 1):

@@ -84,9 +84,9 @@ class Renewal:
 
     def piece(self, time: float, timeout_s: float = TIMEOUT_S) -> JointTrajectory:
         """The next piece, which begins at a time [s] and ends at rest `timeout_s` later at most."""
-        begin, earlier = self._state(time), [knot for knot in self._knots if knot.time < time]
-        if np.isinf(self.begun):
-            earlier = []  # where it begins it has rested until now
+        begin = self._state(time)
+        # Until the first piece it rests where it begins.
+        earlier = [knot for knot in self._knots if knot.time < time and self.begun > -np.inf]
         self._before = (self.begun, self.timeout_s, self._knots)
         self.begun, self.timeout_s = time, timeout_s
         brake_s = _BRAKE * timeout_s
