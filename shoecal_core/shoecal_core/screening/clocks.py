@@ -14,13 +14,13 @@ clocks are not set between the runs, the runs' offsets grow by s, too, from the 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.samples.aligned import MIN_SAMPLES, Aligned
 from shoecal_core.samples.filters import resampled, typical_period
 from shoecal_core.screening.blocks import blocks
@@ -47,8 +47,10 @@ standard deviations; the fit finds what is left."""
 LEFT_STD_S = 0.005
 """How far a corrected offset may still be off."""
 REWEIGHED = 5
-BLOCK_S = 2.0
-"""What a fit of changes leaves is independent of what it leaves so much later."""
+PIECES = 6
+"""Of a run, whose fits without each show how sure its drift is."""
+LEAST_APART_S = 2.0
+"""Runs whose middles span less show no drift from one to the next."""
 SLOPES = 7
 """Unknowns of that fit."""
 BODY_DRIFT_S, BODY_OFFSET_S = 0.03, 0.03
@@ -144,7 +146,7 @@ def _between(starts: Mapping[int, float], tracks: Mapping[int, CopTrack]) -> tup
     late = np.array([_late([track]) for track in tracks.values()])
     at = np.array([starts[run] + float(track.time.mean()) for run, track in tracks.items()])
     at -= at.mean()
-    if np.ptp(at) < BLOCK_S or np.abs(late).max() >= LARGEST_S:
+    if np.ptp(at) < LEAST_APART_S or np.abs(late).max() >= LARGEST_S:
         return UNKNOWN
     first, second = np.triu_indices(len(at), 1)
     apart = at[second] - at[first]
@@ -167,13 +169,25 @@ def _drift(track: CopTrack) -> tuple[float, float, float] | None:
         rows = rows / size
         solution, weight = _reweighed(rows, off)
         late, slope = late + float(solution[0] / size[0]), slope + float(solution[1] / size[1])
-    left = off - rows @ solution
-    normal = rows.T @ (weight[:, None] * rows) + _ridge(rows)
-    pull = rows @ np.linalg.inv(normal)[:, 1] / size[1]
-    block = np.floor((since - since.min()) / BLOCK_S).astype(np.int64)
-    pulled = np.bincount(block, weights=weight * pull * left)
-    # Offset and slope are fitted to the same blocks.
-    return slope, float(np.sqrt((pulled @ pulled) * len(pulled) / max(1, len(pulled) - 2))), span
+    without = np.array(
+        [
+            np.linalg.solve(_normal(rows[kept], weight[kept]), rows[kept].T @ (weight * off)[kept])[
+                1
+            ]
+            for kept in _pieces_left_out(since, weight * rows[:, 0] ** 2)
+        ]
+    )
+    # Jackknife: an error that one movement made is not taken for noise that averages out.
+    std = np.sqrt((PIECES - 1) * np.mean((without - without.mean()) ** 2)) / size[1]
+    return slope, float(std), span
+
+
+def _pieces_left_out(since: FloatArray, shown: FloatArray) -> Iterator[BoolArray]:
+    """(K,) what stays without each of PIECES pieces of time, which show the offset as well."""
+    order = np.argsort(since, kind="stable")
+    piece = np.empty(len(since), dtype=np.int64)
+    piece[order] = np.cumsum(shown[order]) / shown.sum() * PIECES
+    return (piece != one for one in range(PIECES))
 
 
 def _equations(
@@ -209,15 +223,16 @@ def _reweighed(rows: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatA
     weight: FloatArray = np.ones(len(values))
     solution: FloatArray = np.zeros(rows.shape[1])
     for _ in range(REWEIGHED):
-        normal = rows.T @ (weight[:, None] * rows) + _ridge(rows)
-        solution = np.asarray(np.linalg.solve(normal, rows.T @ (weight * values)))
+        solution = np.asarray(np.linalg.solve(_normal(rows, weight), rows.T @ (weight * values)))
         weight = _weights(values - rows @ solution)
     return solution, weight
 
 
-def _ridge(rows: FloatArray) -> FloatArray:
-    """Added to a normal matrix of rows (K, u) of size one: what never moves stays where it is."""
-    return 1e-12 * len(rows) * np.eye(rows.shape[1])
+def _normal(rows: FloatArray, weight: FloatArray) -> FloatArray:
+    """(u, u) normal matrix of rows (K, u) of size one and weights (K,)."""
+    # What never moves stays where it is.
+    ridge = 1e-12 * len(rows) * np.eye(rows.shape[1])
+    return np.asarray(rows.T @ (weight[:, None] * rows) + ridge)
 
 
 def _weights(left: FloatArray) -> FloatArray:

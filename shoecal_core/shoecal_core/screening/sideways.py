@@ -22,7 +22,7 @@ from shoecal_core.shoe.shoe import FEET, Shoe
 
 AXES = ("fx", "fy")
 CANCELS = 0.25
-"""Of the mean square that does not cancel, the most that other axes may leave."""
+"""Of the median square that does not cancel, the most that other axes may leave."""
 ALIKE = 2.0
 """Axes that leave so many times the least explain it as well."""
 SIGNS = tuple(product((1.0, -1.0), repeat=2))
@@ -60,7 +60,7 @@ def sideways_fault(
     for one in aligned.values():
         size = block_size(one.time)
         shown = np.median(in_blocks(one.readings[:, channels], size), axis=1) * gain
-        forces.append((shown - shown.mean(axis=0)).reshape(-1, 2, 2))
+        forces.append((shown - np.median(shown, axis=0)).reshape(-1, 2, 2))
         turns.append(in_blocks(one.states.rotation[:, :2, :2], size).mean(axis=1))
         com = in_blocks(one.states.com[:, 0, :2], size).mean(axis=1)
         period = size * float(np.median(np.diff(one.time)))
@@ -71,8 +71,8 @@ def sideways_fault(
     left = {}
     for of_left, of_right in product(range(len(ways)), repeat=2):
         right = np.einsum("bij,jk,bk->bi", turn, ways[of_right], force[:, 1])
-        left[of_left, of_right] = float(np.mean((force[:, 0] @ ways[of_left].T + right) ** 2))
-    least, push = min(left.values()), float(np.mean(np.concatenate(pushes) ** 2))
+        left[of_left, of_right] = _usual(force[:, 0] @ ways[of_left].T + right)
+    least, push = min(left.values()), _usual(np.concatenate(pushes))
     if least > CANCELS * left[0, 0] or left[0, 0] < FAR**2 * push:
         return None
     good = [
@@ -82,6 +82,11 @@ def sideways_fault(
     ]
     fewest = min(map(len, good))
     return SidewaysFault(tuple(way for way in good if len(way) == fewest))
+
+
+def _usual(forces: FloatArray) -> float:
+    """Median square of forces (B, 2): while a hand holds the robot, nothing cancels."""
+    return float(np.median((forces**2).sum(axis=1)))
 
 
 def _signed(order: tuple[int, int], signs: tuple[float, ...]) -> FloatArray:

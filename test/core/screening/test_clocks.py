@@ -119,6 +119,16 @@ def test_a_driver_that_is_started_again_is_no_rate(step: float) -> None:
     assert rate_of(early) == 0.0
 
 
+@pytest.mark.parametrize("by", [-0.3, 0.3])
+def test_one_movement_that_comes_late_is_no_rate(by: float) -> None:
+    """A board that is busy for some seconds, at the end of a run."""
+    whole = recording(count=1, seconds=60.0)
+    some = late(whole, by).aligned[1].readings
+    busy = whole.aligned[1].time > 48.0
+    mixed = np.where(busy[:, None], some, whole.aligned[1].readings)
+    assert rate_of(whole.with_run(1, readings=mixed)) == 0.0
+
+
 def test_no_run_shows_no_rate() -> None:
     whole = recording()
     assert clock_rate({}, {}, whole.shoe, WEIGHT, SETTINGS) == 0.0

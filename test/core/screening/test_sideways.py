@@ -58,6 +58,17 @@ def test_forces_that_are_those_of_an_accelerated_robot_say_nothing() -> None:
     assert found(turned) is None
 
 
+def test_axes_of_a_robot_that_is_held_for_a_while() -> None:
+    """A hand pushes both feet the same way, which one reversed axis would explain."""
+    x = [SHOE.index(f"{foot}/fx") for foot in ("left", "right")]
+
+    def held(run: int, values: FloatArray) -> FloatArray:
+        values[: len(values) // 4, x] += 30.0
+        return values
+
+    assert found(pressing().with_readings(held)) is None
+
+
 @pytest.mark.parametrize("polarity", [-1, 1])
 @pytest.mark.parametrize("gain", [-1.0, 1.0])
 def test_the_sign_is_the_polaritys_alone(polarity: int, gain: float) -> None:
