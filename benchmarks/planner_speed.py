@@ -51,8 +51,8 @@ Processor time. IPOPT: MUMPS, the planner's own tolerances and warm start. *Comp
 and derivatives as machine code (-O3), which needs a compiler for each robot; the planner's own
 solver and the other IPOPT, its fallback, need none.
 *Converged*: all constraints within {feasible:g} and the objective within {converged:g} of the best,
-judged by IPOPT with a tolerance of 1e-10. *Ratio*: median over problems of the time of compiled IPOPT
-over that of the solver.
+judged by IPOPT with a tolerance of 1e-10. *Ratio*: median over problems of the time of compiled
+IPOPT over that of the solver.
 
 {table}
 
