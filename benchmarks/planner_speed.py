@@ -21,6 +21,7 @@ from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.planning.checking.check import check_motion
 from shoecal_core.planning.horizon.collocation import Collocation
+from shoecal_core.planning.horizon.ipopt import IpoptSolver
 from shoecal_core.planning.horizon.problem import Solver
 from shoecal_core.planning.horizon.sqp import SqpSolver
 from shoecal_core.planning.legs import Legs
@@ -33,7 +34,7 @@ from shoecal_core.shoe.shoe import load_shoe
 from shoecal_core.workspace import config_dir
 
 OURS = "shoecal"
-PEER = "IPOPT, compiled"
+PEER, INTERPRETED = "IPOPT, compiled", "IPOPT"
 FEASIBLE = 1e-5
 """Largest violation with which an objective counts; a violation can buy a better one."""
 CONVERGED = 1e-6
@@ -46,11 +47,12 @@ Made by `make planner-speed`.
 
 Every optimisation of a simulated NAO's motions in {supports} double supports ({problems}), planned
 in closed loop; both solvers get the same problems and guesses, in turns, as warm as in closed loop.
-Processor time. IPOPT (MUMPS, the planner's own tolerances and warm
-start) has all functions and derivatives as machine code (-O3); the planner's own solver has none.
+Processor time. IPOPT: MUMPS, the planner's own tolerances and warm start. *Compiled*: all functions
+and derivatives as machine code (-O3), which needs a compiler for each robot; the planner's own
+solver and the other IPOPT, its fallback, need none.
 *Converged*: all constraints within {feasible:g} and the objective within {converged:g} of the best,
-judged by IPOPT with a tolerance of 1e-10. *Ratio*: median over problems of the time of IPOPT over
-that of the solver.
+judged by IPOPT with a tolerance of 1e-10. *Ratio*: median over problems of the time of compiled
+IPOPT over that of the solver.
 
 {table}
 
@@ -75,7 +77,11 @@ def compare(
     collocation: Collocation, posed: Sequence[Posed]
 ) -> tuple[list[dict[str, object]], bool]:
     """Rows of the table, and whether the planner's solver found every optimum."""
-    solvers: dict[str, Solver] = {OURS: SqpSolver(collocation), PEER: compiled_ipopt(collocation)}
+    solvers: dict[str, Solver] = {
+        OURS: SqpSolver(collocation),
+        PEER: compiled_ipopt(collocation),
+        INTERPRETED: IpoptSolver(collocation),
+    }
     found = race(solvers, posed)
     best = _best(judge(collocation), posed, found)
     peer = np.array([one.seconds for one in found[PEER]])

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from itertools import combinations
+from itertools import combinations, product
 
 import numpy as np
 
@@ -214,21 +214,30 @@ def _against(polarity: IntArray, fit: RoughFit) -> BoolArray:
 
 
 def exchanges(shoe: Shoe) -> list[list[tuple[int, int]]]:
-    """Pairs of one-axis cells, and of torques of one foot and of both; all channels of both feet
-    where these are alike, by name or by their place in mirrored soles.
+    """Pairs of one-axis cells; of torques, and of the vertical force with a torque, of one foot and
+    of both; all channels of both feet where these are alike, by name or by their place in mirrored
+    soles.
     """
     cells = [i for i, channel in enumerate(shoe.channels) if channel.column[0] == 1.0]
     torques = [i for i in range(len(shoe.names)) if shoe.torque[i]]
-    turned = [
-        [one, two] for one, two in combinations(torques, 2) if shoe.foot[one] == shoe.foot[two]
-    ]
+    turned = [pair for pair in combinations(torques, 2) if _of_one_foot(shoe, pair)]
+    mixed = [pair for pair in product(cells, torques) if _of_one_foot(shoe, pair)]
     return [
-        *([pair] for pair in combinations(cells, 2)),
-        *([(one, two)] for one, two in turned),
-        *([[(one, two) for one, two in turned]] if turned[1:] else []),
+        *([pair] for pair in (*combinations(cells, 2), *turned, *mixed)),
+        *([turned] if turned[1:] else []),
+        *(list(both) for both in combinations(mixed, 2) if _same_axes(shoe, *both)),
         *([feet] if (feet := of_feet(shoe)) else []),
         *([pairs] if (pairs := mirrored(shoe)) not in ([], feet) else []),
     ]
+
+
+def _of_one_foot(shoe: Shoe, pair: tuple[int, int]) -> bool:
+    return bool(shoe.foot[pair[0]] == shoe.foot[pair[1]])
+
+
+def _same_axes(shoe: Shoe, one: tuple[int, int], other: tuple[int, int]) -> bool:
+    """Whether two pairs are those of left and right."""
+    return set(zip(one, other, strict=True)) <= set(of_feet(shoe))
 
 
 def mirrored(shoe: Shoe) -> list[tuple[int, int]]:

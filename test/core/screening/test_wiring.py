@@ -87,10 +87,16 @@ def test_six_axis_feet_at_each_others_place() -> None:
     assert wiring(exchanged(whole, *pairs)) == WiringFaults((), pairs)
 
 
-@pytest.mark.parametrize("pairs", [((3, 4),), ((8, 9),), ((3, 4), (8, 9))], ids=str)
-def test_torques_of_a_foot_at_each_others_place(pairs: tuple[tuple[int, int], ...]) -> None:
+AXES_OF_A_FOOT = [
+    ((3, 4),), ((8, 9),), ((3, 4), (8, 9)),
+    ((2, 3),), ((7, 9),), ((2, 3), (7, 8)), ((2, 4), (7, 9)),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("pairs", AXES_OF_A_FOOT, ids=str)
+def test_axes_of_a_foot_at_each_others_place(pairs: tuple[tuple[int, int], ...]) -> None:
     shoe = made([*six_axis(0, [0.0, 0.01, 0.03]), *six_axis(1, [0.0, -0.01, 0.03])])
-    assert wiring(exchanged(recording(3, shoe=shoe), *pairs)) == WiringFaults((), pairs)
+    assert wiring(exchanged(recording(3, shoe=shoe, count=5), *pairs)) == WiringFaults((), pairs)
 
 
 SHOE = made(
