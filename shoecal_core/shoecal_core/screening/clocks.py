@@ -14,13 +14,13 @@ clocks are not set between the runs, the runs' offsets grow by s, too, from the 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
-from shoecal_core.arrays import BoolArray, FloatArray
+from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.samples.aligned import MIN_SAMPLES, Aligned
 from shoecal_core.samples.filters import resampled, typical_period
 from shoecal_core.screening.blocks import blocks
@@ -48,7 +48,7 @@ LEFT_STD_S = 0.005
 """How far a corrected offset may still be off."""
 REWEIGHED = 5
 PIECES = 6
-"""Of a run, whose fits without each show how sure its drift is."""
+"""Of a run: how far their offsets scatter about a line shows how sure its drift is."""
 LEAST_APART_S = 2.0
 """Runs whose middles span less show no drift from one to the next."""
 SLOPES = 7
@@ -59,7 +59,8 @@ common to a session, and of how it differs between them: gears and cells settle.
 LEAST_RUNS = 4
 """From which their offsets show whether they grow evenly."""
 STEP_FACTOR = 2.0
-"""Runs' offsets scatter about a line by so many times less than where they jump once."""
+"""Offsets of runs, or of pieces of one, scatter about a line by so many times less than where they
+jump once."""
 UNKNOWN = (0.0, 1e3)
 """A slope and its standard deviation where nothing shows it."""
 LARGEST_RATE = 0.03
@@ -156,8 +157,8 @@ def _between(starts: Mapping[int, float], tracks: Mapping[int, CopTrack]) -> tup
 
 
 def _drift(track: CopTrack) -> tuple[float, float, float] | None:
-    """By how much the offset of one run grows in a second, the standard deviation of that by the
-    scatter over blocks, and the run's length [s]; None of a run that is too short.
+    """By how much the offset of one run grows in a second, the standard deviation of that, and the
+    run's length [s]; None of a run that is too short or still.
     """
     span = float(np.ptp(track.time))
     if span < 2.0 * SLOPES * CHANGES_S[0]:
@@ -168,26 +169,27 @@ def _drift(track: CopTrack) -> tuple[float, float, float] | None:
         size = np.maximum(np.abs(rows).max(axis=0), 1e-30)
         rows = rows / size
         solution, weight = _reweighed(rows, off)
+        left = off - rows @ solution
         late, slope = late + float(solution[0] / size[0]), slope + float(solution[1] / size[1])
-    without = np.array(
-        [
-            np.linalg.solve(_normal(rows[kept], weight[kept]), rows[kept].T @ (weight * off)[kept])[
-                1
-            ]
-            for kept in _pieces_left_out(since, weight * rows[:, 0] ** 2)
-        ]
-    )
-    # Jackknife: an error that one movement made is not taken for noise that averages out.
-    std = np.sqrt((PIECES - 1) * np.mean((without - without.mean()) ** 2)) / size[1]
-    return slope, float(std), span
+    # How far pieces of the run are off that line: one jump of the offset is no clock's rate.
+    shown, off_line = weight * rows[:, 0] ** 2, weight * rows[:, 0] * left
+    piece = _pieces(since, shown)
+    total, off_line, moment = (np.bincount(piece, one) for one in (shown, off_line, shown * since))
+    if not (total > 0.0).all():
+        return None
+    apart, at = off_line / total / size[0], moment / total
+    scatter = np.sqrt(apart @ apart / (PIECES - 2))
+    return slope, float(STEP_FACTOR * scatter / np.linalg.norm(at - at.mean())), span
 
 
-def _pieces_left_out(since: FloatArray, shown: FloatArray) -> Iterator[BoolArray]:
-    """(K,) what stays without each of PIECES pieces of time, which show the offset as well."""
+def _pieces(since: FloatArray, shown: FloatArray) -> IntArray:
+    """(K,) which of PIECES pieces of time a change is in: each shows as much of the offset."""
     order = np.argsort(since, kind="stable")
     piece = np.empty(len(since), dtype=np.int64)
-    piece[order] = np.cumsum(shown[order]) / shown.sum() * PIECES
-    return (piece != one for one in range(PIECES))
+    piece[order] = np.minimum(
+        np.cumsum(shown[order]) / max(shown.sum(), 1e-30) * PIECES, PIECES - 1
+    )
+    return piece
 
 
 def _equations(

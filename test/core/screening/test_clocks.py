@@ -119,12 +119,12 @@ def test_a_driver_that_is_started_again_is_no_rate(step: float) -> None:
     assert rate_of(early) == 0.0
 
 
-@pytest.mark.parametrize("by", [-0.3, 0.3])
-def test_one_movement_that_comes_late_is_no_rate(by: float) -> None:
-    """A board that is busy for some seconds, at the end of a run."""
+@pytest.mark.parametrize("by", [-0.3, 0.15])
+@pytest.mark.parametrize("since", [15.0, 40.0, 48.0])
+def test_readings_that_come_late_from_some_time_on_are_no_rate(by: float, since: float) -> None:
     whole = recording(count=1, seconds=60.0)
     some = late(whole, by).aligned[1].readings
-    busy = whole.aligned[1].time > 48.0
+    busy = whole.aligned[1].time > since
     mixed = np.where(busy[:, None], some, whole.aligned[1].readings)
     assert rate_of(whole.with_run(1, readings=mixed)) == 0.0
 
