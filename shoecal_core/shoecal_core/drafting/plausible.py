@@ -24,8 +24,9 @@ SAME_MASS = 0.02
 """By which a frame's mass may differ from that of a whole assembly, as a share of it."""
 HEAVY = 0.3
 """Share of the robot's mass from which a link without a shape is looked at."""
-UNLIKE = 2.0
-"""Times the mass of its counterpart in the other leg from which a link is looked at."""
+UNLIKE = 1.9
+"""Times the mass of its counterpart in the other leg from which a link is looked at: doubled, or
+half of it, both rounded."""
 NOTABLE = 0.02
 """Share of the robot's mass from which such a difference matters."""
 PARALLEL = 0.9
@@ -83,7 +84,7 @@ def doubts(body: Body, legs: LegChains) -> Iterator[str]:
             yield f"{name} has no shape and {mass:.3g} kg, {mass / total:.0%} of the robot"
     for left, right in zip(*legs.chains, strict=True):
         low, high = sorted((model.inertias[left].mass, model.inertias[right].mass))
-        if high > UNLIKE * low and high - low > NOTABLE * total:
+        if high >= UNLIKE * low and high - low > NOTABLE * total:
             names = " and ".join(body.link(joint)[0] for joint in (left, right))
             yield f"{names} are {low:.3g} and {high:.3g} kg, though the legs are alike"
 

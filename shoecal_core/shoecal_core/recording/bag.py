@@ -237,8 +237,9 @@ def _check_count(folder: Path, said: object, named: Path) -> None:
         raise RecordingError(
             named,
             f"{METADATA} says {said} messages, its .db3 files hold {there or 'none'}: copy the "
-            ".db3-wal files that lie next to them on the recorder, too, or make do with what is "
-            f"there by `ros2 bag reindex {named}`",
+            ".db3-wal files that lie next to them on the recorder, too (again, where they lie here "
+            "already: they were cut in copying), or make do with what is there by "
+            f"`ros2 bag reindex {named}`",
         )
 
 

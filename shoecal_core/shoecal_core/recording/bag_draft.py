@@ -150,6 +150,11 @@ def _no_readings(shoe: Shoe, seen: Mapping[str, TopicContent], empty: Sequence[s
             named = ", ".join(one.names) or "no cells"
             return f"{problem}: {topic} names {named}; name the shoe that was recorded (--shoe)"
     wrenches = [topic for topic, one in seen.items() if one.type == WRENCH]
+    if len(wrenches) > len(FEET) and len(shoe.names) > len(FEET):
+        return (
+            f"{problem}: {', '.join(wrenches)} have a wrench each; where each is a cell, write "
+            "that in the mapping (cells: {TOPIC: {wrench.force.z: CELL}, …})"
+        )
     if wrenches and not any(name.endswith(AXES) for name in shoe.names):
         return (
             f"{problem}: it has six-axis sensors ({', '.join(wrenches)}), '{shoe.name}' has single "

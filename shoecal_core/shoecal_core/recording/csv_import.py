@@ -38,6 +38,9 @@ MAX_ODD_ROWS_SHARE = 0.02
 """Tables of one trial whose numbers of rows differ by more are not row by row of one clock."""
 MAX_REPEATED_SHARE = 0.1
 """A time column in which more rows repeat or go back is no time column of rows in order."""
+COUNTER_BITS, COUNTER_ROWS = (16, 32), 3.0
+"""Of boards' counters of microseconds and milliseconds; and rows that may be missing where one
+starts again."""
 MOST_LOGS = 5
 """Of one file, after each of which time starts again; where it goes back more often rows are
 unsorted."""
@@ -279,6 +282,17 @@ def _timed(
             f"rows are {1e-9 * usual:.3g} s apart, which no robot is sampled at; correct the unit "
             "of the time column",
         )
+    drops = np.flatnonzero(np.diff(stamps) < 0)
+    for row in drops.tolist():
+        if period := _period_of_counter(
+            usual - float(nanoseconds[row + 1] - nanoseconds[row]), usual
+        ):
+            raise table.error(
+                time.name,
+                row + 1,
+                f"time starts again after {period:.10g} s, as a board's counter does that has no "
+                f"more bits: add {period:.10g} s from this line on, and export the file again",
+            )
     if len(back) > MAX_REPEATED_SHARE * len(stamps):
         if few_digits(stamps):
             raise table.error(
@@ -288,10 +302,10 @@ def _timed(
                 "written with too few digits; write them to a millisecond or better and export the "
                 "file again",
             )
-        if 0 < np.sum(np.diff(stamps) < 0) <= MOST_LOGS:
+        if 0 < len(drops) <= MOST_LOGS:
             raise table.error(
                 time.name,
-                int(back[0]),
+                int(drops[0]) + 1,
                 "time goes back to that of an earlier row, as where several logs are in one file: "
                 "cut it there, and make each a trial of its own",
             )
@@ -302,6 +316,19 @@ def _timed(
             f"their time repeats or goes back (first in line {table.line(int(back[0]))})"
         )
     return _Rows(table, stamps[forward], np.flatnonzero(forward), notes)
+
+
+def _period_of_counter(step: float, usual: float) -> float | None:
+    """Of counters of COUNTER_BITS that count us or ms: the one that starts again after a step [s].
+
+    Args:
+        step, usual: between two rows, if it did, and between most rows [ns].
+    """
+    for bits in COUNTER_BITS:
+        for tick in (1e3, 1e6):
+            if abs(step - 2.0**bits * tick) <= COUNTER_ROWS * usual:
+                return 1e-9 * 2.0**bits * tick
+    return None
 
 
 def _cut(rows: dict[str, _Rows], trial: Trial) -> dict[str, _Rows]:

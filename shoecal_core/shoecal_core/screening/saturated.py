@@ -14,6 +14,7 @@ import numpy as np
 from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.recording.run import Readings
 from shoecal_core.recording.schemas import SATURATED
+from shoecal_core.samples.aligned import Aligned
 from shoecal_core.screening.blocks import Blocks, ReadingBlocks
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.following import StuckBlocks
@@ -29,8 +30,8 @@ BEYOND_SHARE = 0.2
 """A channel at its end goes no further than this share of what it should, be the end a soft one."""
 END_SHARE = 1e-6
 """Readings this near to an end of the range, as a share of it, are at the end."""
-CEILINGS = tuple(2.0**bits - 1.0 for bits in (10, 12, 14, 15, 16, 20, 23, 24, 31, 32))
-"""Readings of converters at their upper end, in counts."""
+CEILINGS = tuple(2.0**bits - 1.0 for bits in (*range(10, 25), 31, 32))
+"""Readings of converters at their upper end, in counts: 10 to 24 bits, with a sign or without."""
 AT_END_STDS = 4.0
 """A reading is at its extreme when it is within this many standard deviations of it."""
 MISSING_STDS, TREMBLING_STDS = 0.5, 3.0
@@ -89,6 +90,13 @@ def at_ends_or_marked(shoe: Shoe, readings: Readings) -> BoolArray:
     """(T, n) the same, and readings that the device marks as saturated."""
     ends: BoolArray = at_ends(shoe, readings.value) | (readings.status == SATURATED)
     return ends
+
+
+def within_range(shoe: Shoe, aligned: Aligned) -> Aligned:
+    """A run without samples at a converter's end, which look like a force from outside."""
+    ends: BoolArray = np.any(at_ends(shoe, aligned.readings), axis=1)
+    # A run that is there for most of the time is left out later, and named.
+    return aligned.part(np.logical_not(ends)) if ends.mean() < 0.5 else aligned
 
 
 def ended(runs: Mapping[int, ReadingBlocks], found: Sequence[StuckBlocks]) -> list[Saturated]:
@@ -150,7 +158,7 @@ def describe_saturated(shoe: Shoe, found: Sequence[Saturated]) -> list[Finding]:
     return [
         Finding(
             "FAIL" if one.share > USELESS_SHARE else "WARN",
-            f"{shoe.names[one.channel]} is saturated: it goes no further than {one.level:.4g} "
+            f"{shoe.names[one.channel]} is saturated: it goes no further than {one.level:.6g} "
             f"{shoe.unit}, where it is for {one.share:.1%} of the time"
             f"{'' if np.isnan(one.missing) else f', with {one.missing:.1f} N missing'}: lower its "
             "amplification",

@@ -26,6 +26,7 @@ from shoecal_core.screening.saturated import (
     describe_ends,
     describe_saturated,
     ended,
+    within_range,
 )
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.screening.soles import Soles, describe_soles
@@ -134,7 +135,7 @@ def _lost(
 def _cells(runs: Mapping[int, Run], aligned: Mapping[int, Aligned], shoe: Shoe) -> list[Finding]:
     """Faults of single cells, for which no model is needed."""
     ends = np.concatenate([at_ends_or_marked(shoe, run.readings) for run in runs.values()])
-    parts = {number: blocks(one, shoe) for number, one in aligned.items()}
+    parts = {number: blocks(within_range(shoe, one), shoe) for number, one in aligned.items()}
     silent = dead(shoe, parts)
     found = stuck_channels(shoe, parts, silent)
     at_end = ended(parts, found)

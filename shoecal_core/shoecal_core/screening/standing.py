@@ -28,6 +28,7 @@ from shoecal_core.screening.saturated import (
     at_ends,
     describe_saturated,
     saturated,
+    within_range,
 )
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.screening.sideways import describe_sideways, sideways_fault
@@ -82,7 +83,10 @@ def screen_standing(
     """
     hanging = both_hang(aligned, shoe, weight, settings)
     aloft = {run: widened(one, aligned[run].time, TRANSIT_S) for run, one in hanging.items()}
-    parts = {run: blocks(without(one, hanging.get(run)), shoe) for run, one in aligned.items()}
+    parts = {
+        run: blocks(within_range(shoe, without(one, hanging.get(run))), shoe)
+        for run, one in aligned.items()
+    }
     information = prior(shoe, parts, weight, settings)
     several = len(aligned) > 1
     rows = {run: equations(one, weight, settings) for run, one in parts.items()}

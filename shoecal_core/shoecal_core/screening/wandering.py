@@ -25,6 +25,8 @@ from shoecal_core.shoe.shoe import Shoe
 
 LEFT = 0.2
 """Of the misfit, that the wandering of one channel may leave."""
+KEPT = 0.2
+"""Of how far the zero wanders, what it does within any run where it keeps it there."""
 NEXT = 2.0
 """Times what it leaves, that the wandering of any other leaves at least."""
 LEAST_SHARE = 0.03
@@ -38,10 +40,12 @@ class Wandering:
     Attributes:
         channel: index.
         force: between its least and its largest zero [N].
+        kept: it stays within each run.
     """
 
     channel: int
     force: float
+    kept: bool
 
 
 def wandering(
@@ -66,11 +70,11 @@ def wandering(
     found = [(*_with_own(channel, runs, parts, information, weight), channel) for channel in cells]
     if len(found) < 2:
         return None
-    (best, force, channel), (second, _, _) = sorted(found)[:2]
+    (best, force, within, channel), (second, *_) = sorted(found)[:2]
     least = max(LEAST_SHARE * weight, settings.force_std_n)
     if force < least or best > LEFT * none or second < NEXT * best:
         return None
-    return Wandering(channel, force)
+    return Wandering(channel, force, within < KEPT * force)
 
 
 def _with_own(
@@ -79,8 +83,10 @@ def _with_own(
     parts: Mapping[int, Blocks],
     information: FloatArray,
     weight: float,
-) -> tuple[float, float]:
-    """The misfit with zeros and drifts of one channel, and how far its zero then wanders [N]."""
+) -> tuple[float, float, float]:
+    """The misfit with zeros and drifts of one channel, how far its zero then wanders, and how far
+    within a run [N].
+    """
     count, own = 2 * len(runs), {}
     changes: dict[int, FloatArray] = {}
     for at, (run, one) in enumerate(runs.items()):
@@ -94,17 +100,21 @@ def _with_own(
     fit = solve(own, np.concatenate((information, np.full(count, weight**-2.0))))
     extra = fit.vector[len(information) :].reshape(len(runs), 2)
     course = np.concatenate([changes[run] @ mine for run, mine in zip(runs, extra, strict=True)])
-    return fit.cost, float(np.ptp(course))
+    return fit.cost, float(np.ptp(course)), float(np.abs(extra[:, 1]).max())
 
 
 def describe_wandering(shoe: Shoe, found: Wandering) -> list[Finding]:
     """A cell whose zero does not stay."""
-    return [
-        Finding(
-            "FAIL",
-            f"the zero of {shoe.names[found.channel]} wanders by {found.force:.1f} N between and "
-            "within the runs: look for water, a loose cable, or a cell that was overloaded; "
-            "replace it and record again",
-            Fault.MOVED_ZEROS,
+    name = shoe.names[found.channel]
+    if found.kept:
+        text = (
+            f"{name} has another zero in each run, by up to {found.force:.1f} N, and keeps it "
+            "there: zeroed (tare) or powered anew before each run, or its cable was moved; take "
+            "tare() out of the firmware, leave the power on, and record again"
         )
-    ]
+    else:
+        text = (
+            f"the zero of {name} wanders by {found.force:.1f} N between and within the runs: look "
+            "for water, a loose cable, or a cell that was overloaded; replace it and record again"
+        )
+    return [Finding("FAIL", text, Fault.MOVED_ZEROS)]

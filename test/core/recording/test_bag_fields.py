@@ -265,8 +265,13 @@ def test_arrays_that_lack_cells_are_not_guessed(tmp_path: Path, feet: Mapping[st
 
 
 def test_why_no_topic_fits(tmp_path: Path) -> None:
-    """Another kind of sensor, other cells: the shoe file is another one's."""
-    for name, kind in (("wrenches", "six-axis sensors"), ("voltages", "names left/toe")):
+    """Another kind of sensor, other cells: the shoe file is another one's; or a wrench a cell."""
+    other = r".*name the shoe that was recorded \(--shoe\)"
+    for name, told in (
+        ("wrenches", f"six-axis sensors{other}"),
+        ("voltages", f"names left/toe{other}"),
+        ("cells", r"where each is a cell, write that in the mapping .*wrench\.force\.z"),
+    ):
         folder = tmp_path / name
         folder.mkdir()
         text = schema_text(SHOE_VOLTAGES_TYPE).decode().split("=====", maxsplit=1)[0]
@@ -275,9 +280,11 @@ def test_why_no_topic_fits(tmp_path: Path) -> None:
         for time in times():
             if name == "wrenches":
                 recording.bag.feet(time)
+            elif name == "cells":
+                recording.bag.feet(time, ("left_toe", "left_heel", "right_toe", "right_heel"))
             else:
                 recording.voltages(time, "left/toe")
-        with pytest.raises(FileError, match=rf"{kind}.*name the shoe that was recorded \(--shoe\)"):
+        with pytest.raises(FileError, match=told):
             recording.imported(folder)
 
 

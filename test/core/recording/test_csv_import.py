@@ -381,6 +381,25 @@ def test_times_without_their_digits_are_refused_with_the_cure(folder: Path, digi
     assert "too few digits; write them to a millisecond or better" in str(raised.value)
 
 
+@pytest.mark.parametrize("row", [7, 55])
+@pytest.mark.parametrize(("bits", "tick_ms"), [(16, 1.0), (32, 1e-3), (32, 1.0)])
+def test_a_counter_that_starts_again_is_told_with_its_line_and_period(
+    folder: Path, bits: int, tick_ms: float, row: int
+) -> None:
+    """In ms, 20 ms apart; the counter was not at zero."""
+    period = 2.0**bits * tick_ms
+    times = 20.0 * np.arange(60) + 5.0 + (period - 20.0 * row)
+    times[row:] -= period
+    rows = [f"{time:.3f};0.1;1;2;3;0.1;0.2;0.3;-0.1;9" for time in times]
+    (folder / "a" / "pos.csv").write_text("\n".join([POS.splitlines()[0], *rows]))
+    (folder / "a" / "ft.csv").write_text("\n".join([FT.splitlines()[0], *60 * ["1;2;3;4;5;6"]]))
+    with pytest.raises(
+        FileError, match=rf"pos.csv: .*, line {row + 2}: time starts again"
+    ) as raised:
+        import_all(folder)
+    assert f"add {1e-3 * period:.10g} s from this line on" in str(raised.value)
+
+
 def test_efforts_imu_quaternions_and_start(folder: Path) -> None:
     """Each table with a time column; efforts sampled at other times than the angles."""
     mapping = yaml.safe_load(MAPPING)

@@ -113,6 +113,20 @@ def test_the_end_of_the_converter_is_a_warning_while_it_is_told_and_seldom() -> 
     assert lost.samples == at_end.sum()
 
 
+def test_a_converter_at_its_ceiling_is_no_force_from_outside() -> None:
+    """Of fewer bits than the shoe file says, for 0.4 s, four times a run."""
+
+    def at_ceiling(run: int, readings: FloatArray) -> FloatArray:
+        for start in (300, 900, 1500, 2400):
+            readings[start : start + 40] = 2047.0
+        return readings
+
+    (finding,) = screened(recording(count=4).with_channel(2, at_ceiling)).findings
+    assert (finding.verdict, finding.fault) == ("WARN", Fault.SATURATED)
+    assert "is at the end of its range in 5.3% of the samples" in finding.reason
+    assert "at 2047 V" in finding.reason
+
+
 # ---- a run: it is left out --------------------------------------------------------------------
 
 

@@ -35,6 +35,20 @@ def test_the_cell_is_named_with_how_far_it_wanders(channel: int, newtons: float)
     assert force == pytest.approx(abs(newtons), rel=0.15)
 
 
+def test_a_cell_that_is_tared_before_each_run_is_no_broken_one() -> None:
+    whole = recording(count=4)
+    zeros = dict(zip(whole.aligned, (0.0, 7.0, -4.0, 9.0), strict=True))
+    tared = whole.with_channel(
+        3, lambda run, values: values + zeros[run] / whole.parameters.gain[3]
+    )
+    (finding,) = screened(tared).findings
+    assert finding.fault is Fault.MOVED_ZEROS
+    text = f"{whole.shoe.names[3]} has another zero in each run, by up to "
+    assert finding.reason.startswith(text)
+    assert float(finding.reason.removeprefix(text).split()[0]) == pytest.approx(13.0, rel=0.15)
+    assert "take tare() out" in finding.reason
+
+
 def test_two_cells_that_wander_are_not_blamed_on_one() -> None:
     both = wandering(wandering(recording(count=4), 1, 12.0), 6, -12.0)
     assert not any("wanders" in one.reason for one in screened(both).findings)
