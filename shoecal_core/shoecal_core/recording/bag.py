@@ -26,7 +26,7 @@ from shoecal_core.errors import (
     FileUnreadableError,
 )
 from shoecal_core.files import open_file, read_bytes, read_error
-from shoecal_core.recording.bag_copies import merged, of_this_profile, stored, unmerged
+from shoecal_core.recording.bag_copies import check_logs, merged, of_this_profile, stored, unmerged
 from shoecal_core.recording.container import DAMAGE, ZSTD, check_honest
 from shoecal_core.recording.errors import RecordingError, reason_of
 from shoecal_core.recording.schemas import typestore
@@ -104,6 +104,7 @@ class Bag:
             for file in files:
                 if file.suffix == ".mcap":
                     _check_sums(file, file if folder else self.path)
+            check_logs(path, self.path)
             if unmerged(path):
                 path = merged(path, METADATA, copies)
             if folder:

@@ -29,6 +29,29 @@ def unmerged(path: Path) -> bool:
     return any(_log(file).is_file() and _log(file).stat().st_size for file in _files(path))
 
 
+def check_logs(path: Path, named: Path) -> None:
+    """Refuse a bag next to which a log lies that no file there owns: what it holds would be lost.
+
+    Args:
+        path: of the bag, a file or a folder.
+        named: what an error calls it.
+
+    Raises:
+        RecordingError: with the cure.
+    """
+    files = _files(path)
+    if not files:
+        return
+    for log in sorted(files[0].parent.glob(f"*.db3{LOG}")):
+        if log.stat().st_size and not log.with_name(log.name.removesuffix(LOG)).is_file():
+            raise RecordingError(
+                named,
+                f"{log.name} lies next to {files[0].name}, and the file that it belongs to does "
+                "not: it holds what a recorder wrote last; give both the same name again (the log "
+                f"with {LOG} at its end), or move it away if it is another recording's",
+            )
+
+
 def merged(path: Path, metadata: str, folder: Path) -> Path:
     """A copy of a bag with its logs merged into it.
 

@@ -48,6 +48,13 @@ def everything(path: Path) -> list[tuple[str, int]]:
         return [(one.topic, one.received_ns) for one in bag.messages(bag.topics)]
 
 
+def test_a_log_whose_file_was_renamed_is_refused(tmp_path: Path) -> None:
+    (file,) = killed(tmp_path).glob("*.db3")
+    renamed = file.rename(file.with_name("walk_five.db3"))
+    with pytest.raises(FileError, match=rf"{file.name}-wal lies next to walk_five.db3.*same name"):
+        everything(renamed)
+
+
 @pytest.mark.parametrize("named", ["folder", "file"])
 def test_what_a_killed_recorder_left_in_its_log_is_read(tmp_path: Path, named: str) -> None:
     copy = killed(tmp_path)
