@@ -109,7 +109,7 @@ def describe_wandering(shoe: Shoe, found: Wandering) -> list[Finding]:
     if found.kept:
         text = (
             f"{name} has another zero in each run, by up to {found.force:.1f} N, and keeps it "
-            "there: zeroed (tare) or powered anew before each run, or its cable was moved; take "
+            "there: zeroed (tare) or switched on before each run, or its cable was moved; take "
             "tare() out of the firmware, leave the power on, and record again"
         )
     else:
