@@ -46,7 +46,7 @@ SOLVERS = """\
 Made by `make planner-speed`.
 
 Every optimisation of a simulated NAO's motions in {supports} double supports ({problems}), planned
-in closed loop; both solvers get the same problems and guesses, in turns, as warm as in closed loop.
+in closed loop; all solvers get the same problems and guesses, in turns, as warm as in closed loop.
 Processor time. IPOPT: MUMPS, the planner's own tolerances and warm start. *Compiled*: all functions
 and derivatives as machine code (-O3), which needs a compiler for each robot; the planner's own
 solver and the other IPOPT, its fallback, need none.

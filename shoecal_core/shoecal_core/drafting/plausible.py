@@ -84,7 +84,7 @@ def doubts(body: Body, legs: LegChains) -> Iterator[str]:
             yield f"{name} has no shape and {mass:.3g} kg, {mass / total:.0%} of the robot"
     for left, right in zip(*legs.chains, strict=True):
         low, high = sorted((model.inertias[left].mass, model.inertias[right].mass))
-        if high >= UNLIKE * low and high - low > NOTABLE * total:
+        if high > UNLIKE * low and high - low > NOTABLE * total:
             names = " and ".join(body.link(joint)[0] for joint in (left, right))
             yield f"{names} are {low:.3g} and {high:.3g} kg, though the legs are alike"
 

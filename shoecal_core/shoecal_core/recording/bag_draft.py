@@ -150,12 +150,13 @@ def _no_readings(shoe: Shoe, seen: Mapping[str, TopicContent], empty: Sequence[s
             named = ", ".join(one.names) or "no cells"
             return f"{problem}: {topic} names {named}; name the shoe that was recorded (--shoe)"
     wrenches = [topic for topic, one in seen.items() if one.type == WRENCH]
-    if len(wrenches) > len(FEET) and len(shoe.names) > len(FEET):
-        return (
-            f"{problem}: {', '.join(wrenches)} have a wrench each; where each is a cell, write "
-            "that in the mapping (cells: {TOPIC: {wrench.force.z: CELL}, …})"
-        )
     if wrenches and not any(name.endswith(AXES) for name in shoe.names):
+        if len(wrenches) > len(FEET):
+            return (
+                f"{problem}: {', '.join(wrenches)} have a wrench each; where each is a cell, write "
+                "that in the mapping (cells: {TOPIC: {wrench.force.z: CELL}, …}), else name the "
+                "shoe that was recorded (--shoe)"
+            )
         return (
             f"{problem}: it has six-axis sensors ({', '.join(wrenches)}), '{shoe.name}' has single "
             "cells; name the shoe that was recorded (--shoe)"

@@ -273,8 +273,8 @@ def _timed(
     stamps = np.rint(nanoseconds).astype(np.int64) + start_ns
     forward = in_order(stamps)
     back = np.flatnonzero(~forward)
-    steps = np.abs(np.diff(nanoseconds))
-    usual = float(np.median(steps)) if len(steps) else 0.0
+    steps = np.diff(nanoseconds)
+    usual = float(np.median(np.abs(steps))) if len(steps) else 0.0
     if usual > SLOWEST_NS or 0.0 < usual < FASTEST_NS:
         raise table.error(
             time.name,
@@ -284,9 +284,7 @@ def _timed(
         )
     drops = np.flatnonzero(np.diff(stamps) < 0)
     for row in drops.tolist():
-        if period := _period_of_counter(
-            usual - float(nanoseconds[row + 1] - nanoseconds[row]), usual
-        ):
+        if period := _period_of_counter(usual - float(steps[row]), usual):
             raise table.error(
                 time.name,
                 row + 1,

@@ -169,8 +169,8 @@ def _drift(track: CopTrack) -> tuple[float, float, float] | None:
         size = np.maximum(np.abs(rows).max(axis=0), 1e-30)
         rows = rows / size
         solution, weight = _reweighed(rows, off)
-        left = off - rows @ solution
         late, slope = late + float(solution[0] / size[0]), slope + float(solution[1] / size[1])
+    left = off - rows @ solution
     # How far pieces of the run are off that line: one jump of the offset is no clock's rate.
     shown, off_line = weight * rows[:, 0] ** 2, weight * rows[:, 0] * left
     piece = _pieces(since, shown)
@@ -225,16 +225,15 @@ def _reweighed(rows: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatA
     weight: FloatArray = np.ones(len(values))
     solution: FloatArray = np.zeros(rows.shape[1])
     for _ in range(REWEIGHED):
-        solution = np.asarray(np.linalg.solve(_normal(rows, weight), rows.T @ (weight * values)))
+        normal = rows.T @ (weight[:, None] * rows) + _ridge(rows)
+        solution = np.asarray(np.linalg.solve(normal, rows.T @ (weight * values)))
         weight = _weights(values - rows @ solution)
     return solution, weight
 
 
-def _normal(rows: FloatArray, weight: FloatArray) -> FloatArray:
-    """(u, u) normal matrix of rows (K, u) of size one and weights (K,)."""
-    # What never moves stays where it is.
-    ridge = 1e-12 * len(rows) * np.eye(rows.shape[1])
-    return np.asarray(rows.T @ (weight[:, None] * rows) + ridge)
+def _ridge(rows: FloatArray) -> FloatArray:
+    """Added to a normal matrix of rows (K, u) of size one: what never moves stays where it is."""
+    return 1e-12 * len(rows) * np.eye(rows.shape[1])
 
 
 def _weights(left: FloatArray) -> FloatArray:

@@ -96,7 +96,7 @@ def within_range(shoe: Shoe, aligned: Aligned) -> Aligned:
     """A run without samples at a converter's end, which look like a force from outside."""
     ends: BoolArray = np.any(at_ends(shoe, aligned.readings), axis=1)
     # A run that is there for most of the time is left out later, and named.
-    return aligned.part(np.logical_not(ends)) if ends.mean() < 0.5 else aligned
+    return aligned.part(np.logical_not(ends)) if 2 * ends.sum() < len(ends) else aligned
 
 
 def ended(runs: Mapping[int, ReadingBlocks], found: Sequence[StuckBlocks]) -> list[Saturated]:

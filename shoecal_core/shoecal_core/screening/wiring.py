@@ -222,22 +222,19 @@ def exchanges(shoe: Shoe) -> list[list[tuple[int, int]]]:
     torques = [i for i in range(len(shoe.names)) if shoe.torque[i]]
     turned = [pair for pair in combinations(torques, 2) if _of_one_foot(shoe, pair)]
     mixed = [pair for pair in product(cells, torques) if _of_one_foot(shoe, pair)]
+    feet = of_feet(shoe)
+    twin = dict(feet)
     return [
         *([pair] for pair in (*combinations(cells, 2), *turned, *mixed)),
         *([turned] if turned[1:] else []),
-        *(list(both) for both in combinations(mixed, 2) if _same_axes(shoe, *both)),
-        *([feet] if (feet := of_feet(shoe)) else []),
+        *([(one, two), (twin[one], twin[two])] for one, two in mixed if one in twin),
+        *([feet] if feet else []),
         *([pairs] if (pairs := mirrored(shoe)) not in ([], feet) else []),
     ]
 
 
 def _of_one_foot(shoe: Shoe, pair: tuple[int, int]) -> bool:
     return bool(shoe.foot[pair[0]] == shoe.foot[pair[1]])
-
-
-def _same_axes(shoe: Shoe, one: tuple[int, int], other: tuple[int, int]) -> bool:
-    """Whether two pairs are those of left and right."""
-    return set(zip(one, other, strict=True)) <= set(of_feet(shoe))
 
 
 def mirrored(shoe: Shoe) -> list[tuple[int, int]]:
