@@ -172,12 +172,13 @@ def _drift(track: CopTrack) -> tuple[float, float, float] | None:
         late, slope = late + float(solution[0] / size[0]), slope + float(solution[1] / size[1])
     left = off - rows @ solution
     # How far pieces of the run are off that line: one jump of the offset is no clock's rate.
-    shown, off_line = weight * rows[:, 0] ** 2, weight * rows[:, 0] * left
+    shown = weight * rows[:, 0] ** 2
     piece = _pieces(since, shown)
-    total, off_line, moment = (np.bincount(piece, one) for one in (shown, off_line, shown * since))
+    total = np.bincount(piece, shown)
     if not (total > 0.0).all():
         return None
-    apart, at = off_line / total / size[0], moment / total
+    apart = np.bincount(piece, weight * rows[:, 0] * left) / total / size[0]
+    at = np.bincount(piece, shown * since) / total
     scatter = np.sqrt(apart @ apart / (PIECES - 2))
     return slope, float(STEP_FACTOR * scatter / np.linalg.norm(at - at.mean())), span
 
