@@ -34,7 +34,7 @@ def robot_notes(draft: Draft) -> list[Note]:
             "weigh the robot, without shoes, with battery; std_kg is the scale's.",
         ),
         *(
-            Note("weight", f"{doubt}.", "the masses of the URDF; frames have none.")
+            Note("urdf", f"{doubt}.", "the <inertial> of these links; frames have none.")
             for doubt in doubts(draft.body, draft.legs)
         ),
         *_feet(draft),

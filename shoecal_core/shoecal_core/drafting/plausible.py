@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import itertools
+from collections import Counter
 from collections.abc import Iterator
+from dataclasses import dataclass
 from xml.etree import ElementTree
 
 import numpy as np
@@ -11,7 +13,7 @@ import numpy as np
 from shoecal_core.arrays import FloatArray
 from shoecal_core.drafting.body import Body
 from shoecal_core.drafting.legs import LegChains
-from shoecal_core.robot.urdf import UrdfError
+from shoecal_core.robot.urdf import UrdfError, name_links
 
 LEG_M = (0.03, 3.0)
 """Length of a leg from the hip to the foot: from a toy's to a robot's of twice a man's height."""
@@ -29,18 +31,46 @@ UNLIKE = 1.9
 half of it, both rounded."""
 NOTABLE = 0.02
 """Share of the robot's mass from which such a difference matters."""
+FAR = 2.0
+"""Lengths of a leg between a link's frame and its CoM from which the unit is wrong: CAD programs
+give millimetres. A trunk's frame may lie at the feet, a leg's length away."""
+GYRATION = 1.0
+"""Lengths of a leg from which a radius of gyration has another unit: no link is as large."""
+FEW = 3
+"""Part of the links up to which single masses have the wrong unit, not all of them."""
+EQUAL_MASSES = 0.9
+"""Share of the links with mass from which one mass in all of them is an exporter's default."""
 PARALLEL = 0.9
 """Cosine of the angle between an axis and the other one's mirror image, at least."""
 SAME_LIMIT = 0.05
 """rad; limits that are off by less are the same."""
 
 
+@dataclass(frozen=True)
+class _Link:
+    """What a URDF says of one link that has a mass.
+
+    Attributes:
+        name: of it.
+        shaped: it has a shape.
+        mass: of it [kg].
+        com: (3,) in its frame [m].
+        inertia: (3, 3) about the CoM [kg m^2].
+    """
+
+    name: str
+    shaped: bool
+    mass: float
+    com: FloatArray
+    inertia: FloatArray
+
+
 def check_size(body: Body, legs: LegChains) -> None:
     """Refuse what contradicts itself: nothing that is computed with it would be right.
 
     Raises:
-        UrdfError: for legs that are too long or too short, masses that do not go with them, and
-            frames that have the mass of the whole robot once more.
+        UrdfError: for legs that are too long or too short, masses and CoMs that do not go with
+            them, and frames that have the mass of the whole robot once more.
     """
     length = _leg_length(body, legs)
     if not LEG_M[0] < length < LEG_M[1]:
@@ -50,38 +80,68 @@ def check_size(body: Body, legs: LegChains) -> None:
             f"the legs are {length:.3g} m long: are the lengths in {unit}? Give them in m",
             field="joint origins",
         )
-    mass = sum(inertia.mass for inertia in body.model.inertias)
+    links = _links(body.root)
+    mass = sum(link.mass for link in links)
     low, high = (one * length**3 for one in DENSITY)
     if not low < mass < high:
         unit = "g" if mass > high else "t"
+        heavy = _too_heavy(links, high)
         raise UrdfError(
             body.urdf,
-            f"{mass:.4g} kg on legs of {length:.2f} m: are the masses in {unit}? Give them in kg",
-            field="mass",
+            f"{mass:.4g} kg on legs of {length:.2f} m"
+            + (
+                f", {sum(link.mass for link in heavy):.4g} kg of them in {_named(heavy)}: "
+                f"is it in {unit}? "
+                if heavy
+                else f": are the masses in {unit}? "
+            )
+            + "Give them in kg",
+            field=f"link {heavy[0].name}" if heavy else "mass",
         )
-    shaped, shapeless = _masses(body.root)
-    whole = sum((shaped | shapeless).values())
-    for mass in shapeless.values():
-        alike = [name for name, own in shapeless.items() if abs(own - mass) < SAME_MASS * mass]
-        rest = whole - sum(shapeless[name] for name in alike)
-        if abs(rest - mass) < SAME_MASS * mass:
+    far = [link for link in links if np.linalg.norm(link.com) > FAR * length]
+    if far:
+        raise UrdfError(
+            body.urdf,
+            f"the CoM of {_named(far)} is {np.linalg.norm(far[0].com):.3g} m from the link's "
+            f"frame, on legs of {length:.2f} m: is <origin> of its <inertial> in mm? Give m",
+            field=f"link {far[0].name}",
+        )
+    shapeless = [link for link in links if not link.shaped]
+    for one in shapeless:
+        alike = [link for link in shapeless if abs(link.mass - one.mass) < SAME_MASS * one.mass]
+        rest = mass - sum(link.mass for link in alike)
+        if abs(rest - one.mass) < SAME_MASS * one.mass:
             raise UrdfError(
                 body.urdf,
-                f"{' and '.join(alike)}: no shape, and {mass:.3g} kg"
+                f"{_named(alike)}: no shape, and {one.mass:.3g} kg"
                 f"{' each' if alike[1:] else ''}, as much as all other links together: "
                 "exported with the mass of the whole robot? Delete the <inertial>",
-                field=f"link {alike[0]}",
+                field=f"link {alike[0].name}",
             )
 
 
 def doubts(body: Body, legs: LegChains) -> Iterator[str]:
-    """Masses that may be right and mostly are not, in words."""
-    model = body.model
-    total = sum(inertia.mass for inertia in model.inertias)
-    shaped, shapeless = _masses(body.root)
-    for name, mass in shapeless.items() if shaped else ():
-        if mass > HEAVY * total:
-            yield f"{name} has no shape and {mass:.3g} kg, {mass / total:.0%} of the robot"
+    """Masses and inertias that may be right and mostly are not, in words."""
+    model, links, length = body.model, _links(body.root), _leg_length(body, legs)
+    total = sum(link.mass for link in links)
+    for link in links if any(one.shaped for one in links) else ():
+        if not link.shaped and link.mass > HEAVY * total:
+            share = link.mass / total
+            yield f"{link.name} has no shape and {link.mass:.3g} kg, {share:.0%} of the robot"
+    ((mass, count),) = Counter(link.mass for link in links).most_common(1)
+    if count > EQUAL_MASSES * len(links) > 1.0:
+        yield f"{count} of {len(links)} links have {mass:.3g} kg each, an exporter's default"
+    impossible = [link for link in links if np.linalg.eigvalsh(link.inertia)[0] < 0.0]
+    if impossible:
+        yield f"no body has a moment of inertia below zero, as {_named(impossible)} would"
+    wide = [
+        link
+        for link in links
+        if link.mass > NOTABLE * total
+        and np.trace(link.inertia) > 2.0 * link.mass * (GYRATION * length) ** 2
+    ]
+    if wide:
+        yield f"the inertia of {_named(wide)} is that of a larger body, in kg mm^2 perhaps"
     for left, right in zip(*legs.chains, strict=True):
         low, high = sorted((model.inertias[left].mass, model.inertias[right].mass))
         if high > UNLIKE * low and high - low > NOTABLE * total:
@@ -103,15 +163,47 @@ def _leg_length(body: Body, legs: LegChains) -> float:
     return float(sum(np.linalg.norm(after - before) for before, after in steps))
 
 
-def _masses(root: ElementTree.Element) -> tuple[dict[str, float], dict[str, float]]:
-    """Of links with a shape, and of those without [kg]."""
-    found: tuple[dict[str, float], dict[str, float]] = ({}, {})
-    for link in root.iter("link"):
-        mass = link.find("inertial/mass")
-        shapeless = link.find("collision") is None and link.find("visual") is None
-        if mass is not None:
-            found[shapeless][link.get("name", "")] = float(mass.get("value", "nan"))
-    return found
+def _links(root: ElementTree.Element) -> list[_Link]:
+    """All that have a mass; NaN where something is missing."""
+    return [
+        _Link(
+            link.get("name", ""),
+            link.find("collision") is not None or link.find("visual") is not None,
+            float(mass.get("value", "nan")),
+            _com(link.find("inertial/origin")),
+            _inertia(link.find("inertial/inertia")),
+        )
+        for link in root.iter("link")
+        if (mass := link.find("inertial/mass")) is not None
+    ]
+
+
+def _com(origin: ElementTree.Element | None) -> FloatArray:
+    """(3,) of a link in its frame [m]."""
+    place = (origin.get("xyz") if origin is not None else None) or "0 0 0"
+    return np.array([float(part) for part in place.split()])
+
+
+def _inertia(element: ElementTree.Element | None) -> FloatArray:
+    """(3, 3) of a link about its CoM [kg m^2]."""
+    rows = (("ixx", "ixy", "ixz"), ("ixy", "iyy", "iyz"), ("ixz", "iyz", "izz"))
+    given = element.attrib if element is not None else {}
+    return np.array([[float(given.get(key, "0")) for key in row] for row in rows])
+
+
+def _too_heavy(links: list[_Link], high: float) -> list[_Link]:
+    """Those without which the rest is a robot; none where all masses have the wrong unit."""
+    order = sorted(links, key=lambda link: -link.mass)
+    rest = sum(link.mass for link in order)
+    for count, link in enumerate(order[: len(order) // FEW], start=1):
+        rest -= link.mass
+        if rest < high and link.mass > high:
+            return order[:count]
+    return []
+
+
+def _named(links: list[_Link]) -> str:
+    return name_links([link.name for link in links])
 
 
 def _crossed(body: Body, legs: LegChains, left: int, right: int) -> bool:

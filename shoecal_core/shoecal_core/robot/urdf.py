@@ -87,8 +87,8 @@ def read_urdf(path: Path) -> Urdf:
     if declared > 0.0 and reader.unweighed:
         raise UrdfError(
             path,
-            f"no <mass> in the <inertial> of {_named(reader.unweighed)}; give it in kg, or leave "
-            "the <inertial> out of a link without mass",
+            f"no <mass> in the <inertial> of {name_links(reader.unweighed)}; give it in kg, or "
+            "leave the <inertial> out of a link without mass",
             field="inertial",
         )
     try:
@@ -106,7 +106,7 @@ def read_urdf(path: Path) -> Urdf:
             field="inertial",
         )
     if not declared > 0.0:
-        missing = f" ({_named(reader.unweighed)})" if reader.unweighed else ""
+        missing = f" ({name_links(reader.unweighed)})" if reader.unweighed else ""
         raise UrdfError(path, f"no link has a mass{missing}; the CoM needs them", field="inertial")
     _check_joints(path, model)
     # What does not turn does not follow either; exporters leave its <mimic> where they fix a joint.
@@ -334,7 +334,7 @@ def _reason(complaints: Sequence[str], error: Exception) -> str:
     return "rejected by the parser"
 
 
-def _named(links: Sequence[str]) -> str:
+def name_links(links: Sequence[str]) -> str:
     """A few of many, and how many more."""
     more = len(links) - NAMED
     names = ", ".join(links[:NAMED])
@@ -348,7 +348,7 @@ def _lost(reader: _Reader, model: pin.Model) -> str:
         for link in reader.masses
         if link in reader.displaced or not model.existFrame(link, pin.FrameType.BODY)
     ]
-    return f" ({_named(links)})" if links else ""
+    return f" ({name_links(links)})" if links else ""
 
 
 def _check_joints(path: Path, model: pin.Model) -> None:

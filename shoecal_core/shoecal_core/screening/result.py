@@ -30,7 +30,7 @@ _CURES: Mapping[Fault, tuple[str, str]] = {
         "see that nothing touches the robot, and that its gears and floor are firm",
     ),
     Fault.LIFTED: (
-        "had one foot in the air or on its edge",
+        "had its {foot} foot in the air or on its edge",
         "see that it is not lifted and that the motion keeps load on both feet",
     ),
 }
@@ -47,6 +47,7 @@ class LeftOut:
         share: of the run's samples.
         stretches: first and last time of each stretch of them, since the run's start [s].
         channels: names of the faulty ones; empty where all are concerned.
+        foot: the one that was lifted, by its load; empty for other faults.
     """
 
     run: int
@@ -55,6 +56,7 @@ class LeftOut:
     share: float
     stretches: tuple[Stretch, ...] = ()
     channels: tuple[str, ...] = ()
+    foot: str = ""
 
     def to_json(self) -> dict[str, object]:
         """The same by name."""
@@ -65,6 +67,7 @@ class LeftOut:
             "share": self.share,
             "stretches_s": [list(stretch) for stretch in self.stretches],
             "channels": list(self.channels),
+            "foot": self.foot,
         }
 
 
@@ -144,7 +147,7 @@ def describe_left_out(found: Sequence[LeftOut]) -> list[Finding]:
                 )
             )
         elif one.share > NOTABLE.get(one.fault, 1.0):
-            happened, cure = _CURES[one.fault]
+            happened, cure = (part.format(foot=one.foot) for part in _CURES[one.fault])
             findings.append(
                 Finding(
                     "WARN",

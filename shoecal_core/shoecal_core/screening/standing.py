@@ -40,7 +40,7 @@ from shoecal_core.screening.weights import describe_weights, wrong_weights
 from shoecal_core.screening.wiring import check_wiring, describe_wiring
 from shoecal_core.screening.zeros import describe_zeros, moved_zeros, starts, starts_at_zero
 from shoecal_core.shoe.sensing import MINIMUM_FORCE
-from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_core.shoe.wrench import ChannelParameters, cop, foot_wrenches
 
 MARGIN_S = 0.15
@@ -195,6 +195,7 @@ class _Moments:
         marked: (T,) by fault, the gravest first.
         spikes: (T, n).
         air: (T,) the foot that was lifted on purpose hangs free.
+        off_floor: name of the foot that carries less while one is lifted; empty where none is.
         calm: samples while both feet stand, their readings without jumps; before, between and
             after the times that a foot was in the air on purpose.
     """
@@ -202,6 +203,7 @@ class _Moments:
     marked: Mapping[Fault, BoolArray]
     spikes: BoolArray
     air: BoolArray
+    off_floor: str
     calm: tuple[FootMotion, ...]
 
 
@@ -256,7 +258,7 @@ class _Watch:
             Fault.DISTURBED: widened(pushed, time, MARGIN_S)
             | widened(jumps.hits, time, HIT_MARGIN_S),
         }
-        return _Moments(marked, jumps.spikes, air, tuple(calm))
+        return _Moments(marked, jumps.spikes, air, self._off_floor(up, jumps.calm), tuple(calm))
 
     def load(self, aligned: Aligned) -> FloatArray:
         """(T, 2) each foot's share of the weight."""
@@ -268,6 +270,12 @@ class _Watch:
     def _carried(self, readings: FloatArray) -> FloatArray:
         """(T, 2) vertical force on each foot, for readings (T, n) [N]."""
         return foot_wrenches(self.shoe, self.parameters.outputs(readings))[..., 0]
+
+    def _off_floor(self, up: BoolArray, readings: FloatArray) -> str:
+        """The foot that carries less at these samples (T,) of readings (T, n)."""
+        if not up.any():
+            return ""
+        return FEET[int(np.argmin(np.median(self._carried(readings[up]), axis=0)))]
 
     def _hangs(self, lifting: LiftedFoot, readings: FloatArray) -> bool:
         """Whether the foot that was lifted carries nothing meanwhile."""
@@ -313,7 +321,8 @@ def _leaving_out(
         fresh = marked & kept
         kept[marked] = False
         if fresh.any():
-            lost.append(_lost(found, run, fault, fresh, time, channels))
+            foot = moments.off_floor if fault is Fault.LIFTED else ""
+            lost.append(_lost(found, run, fault, fresh, time, channels, foot))
 
     for fault, marked in moments.marked.items():
         leave(fault, marked)
@@ -354,7 +363,8 @@ def _lost(
     marked: BoolArray,
     time: FloatArray,
     channels: tuple[str, ...] = (),
+    foot: str = "",
 ) -> LeftOut:
     count = int(marked.sum())
     times = stretches(marked, time, JOIN_S)
-    return LeftOut(run, fault, count, count / found.samples[run], times, channels)
+    return LeftOut(run, fault, count, count / found.samples[run], times, channels, foot)

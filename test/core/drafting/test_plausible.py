@@ -12,8 +12,8 @@ from shoecal_core.drafting.draft import draft_robot
 from shoecal_core.drafting.notes import robot_notes
 from shoecal_core.errors import FileError
 
-FRAME = """<link name="{0}"><inertial><mass value="{1}"/><inertia ixx="0.1" ixy="0" ixz="0"
-    iyy="0.1" iyz="0" izz="0.1"/></inertial></link><joint name="{0}_mount" type="fixed">
+FRAME = """<link name="{0}"><inertial><mass value="{1}"/><inertia ixx="0.001" ixy="0" ixz="0"
+    iyy="0.001" iyz="0" izz="0.001"/></inertial></link><joint name="{0}_mount" type="fixed">
     <parent link="torso"/><child link="{0}"/></joint>"""
 
 
@@ -63,7 +63,7 @@ def test_frames_with_the_mass_of_the_whole_robot_are_named(
 ) -> None:
     whole = draft("wren").mass
     file = with_frames(tmp_path, *((name, whole) for name in names))
-    with pytest.raises(FileError, match=f"{' and '.join(names)}: no shape, and .* whole robot"):
+    with pytest.raises(FileError, match=f"{', '.join(names)}: no shape, and .* whole robot"):
         draft_robot(file, "wren")
 
 
@@ -85,3 +85,54 @@ def test_legs_of_unlike_masses_are_to_be_checked(tmp_path: Path) -> None:
     file.write_text(f"{text[:at]}{10.0 * float(text[at:end])}{text[end:]}")
     found = [note.found for note in robot_notes(draft_robot(file, "wren"))]
     assert any("left_thigh and right_thigh are" in one for one in found)
+
+
+def with_inertial(folder: Path, link: str, what: str, factor: float) -> Path:
+    """The known robot with an attribute of one link's inertial multiplied."""
+    text = (ROBOTS / "wren.urdf").read_text()
+    start = text.index(f'<link name="{link}">')
+    end = text.index("</inertial>", start)
+    file = folder / "wren.urdf"
+    edited, count = re.subn(
+        rf'({what}=")([^"]*)',
+        lambda found: (
+            found.group(1) + " ".join(str(factor * float(one)) for one in found.group(2).split())
+        ),
+        text[start:end],
+    )
+    assert count
+    file.write_text(text[:start] + edited + text[end:])
+    return file
+
+
+@pytest.mark.parametrize(
+    ("what", "said"),
+    [
+        ("mass value", r"kg of them in link left_shank: is it in g\?"),
+        ("xyz", r"the CoM of link left_shank is .* m from .*in mm\?"),
+    ],
+)
+def test_a_link_in_another_unit_is_named(tmp_path: Path, what: str, said: str) -> None:
+    with pytest.raises(FileError, match=said):
+        draft_robot(with_inertial(tmp_path, "left_shank", what, 1e3), "wren")
+
+
+@pytest.mark.parametrize(
+    ("what", "factor", "said"),
+    [
+        ("ixx", -1.0, "no body has a moment of inertia below zero, as link left_shank would."),
+        ("i(?:xx|yy|zz)", 1e6, "the inertia of link left_shank is that of a larger body"),
+    ],
+)
+def test_a_body_that_cannot_be_is_to_be_checked(
+    tmp_path: Path, what: str, factor: float, said: str
+) -> None:
+    found = robot_notes(draft_robot(with_inertial(tmp_path, "left_shank", what, factor), "wren"))
+    assert any(note.found.startswith(said) for note in found)
+
+
+def test_masses_by_default_are_to_be_checked(tmp_path: Path) -> None:
+    text = re.sub(r'(<mass value=")[^"]*', r"\g<1>1.0", (ROBOTS / "wren.urdf").read_text())
+    (tmp_path / "wren.urdf").write_text(text)
+    found = robot_notes(draft_robot(tmp_path / "wren.urdf", "wren"))
+    assert any("links have 1 kg each" in note.found for note in found)

@@ -27,6 +27,7 @@ from shoecal_core.screening.extract import stances_of
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.result import Screening
 from shoecal_core.screening.screen import screen
+from shoecal_core.shoe.shoe import FEET
 from shoecal_core.shoe.wrench import at_cop, weight_below
 from shoecal_core.workspace import config_dir
 
@@ -143,8 +144,10 @@ def test_only_a_foot_that_hangs_by_its_load_counts_as_in_the_air(whole: Recordin
 
 
 def test_the_same_in_another_motion_is_a_fault(whole: Recording) -> None:
-    _, screening = made(whole, "landmarks", lifting(whole, 0))
-    assert [one.fault for one in screening.findings] == [Fault.LIFTED]
+    for foot, name in enumerate(FEET):
+        _, screening = made(whole, "landmarks", lifting(whole, foot))
+        assert [one.fault for one in screening.findings] == [Fault.LIFTED]
+        assert f"had its {name} foot in the air" in screening.findings[0].reason
 
 
 def test_a_foot_that_still_carries_does_not_hang(whole: Recording) -> None:
@@ -266,4 +269,5 @@ def test_a_foot_in_the_air_most_of_the_time_still_stands_for_the_rest(whole: Rec
     _, screening = made(whole, "landmarks", up)
     (lost,) = [one for one in screening.left_out if (one.run, one.fault) == (RUN, Fault.LIFTED)]
     assert lost.share == pytest.approx(0.8, abs=0.03)
+    assert f"had its {lost.foot} foot in the air" in screening.findings[0].reason
     assert lost.stretches[0][0] == pytest.approx(3.0, abs=0.4)
