@@ -25,6 +25,9 @@ BROKEN = 0.05
 """Squares that a stuck reading leaves in a stretch, at most, over those that the law leaves."""
 STILL_STDS = 3.0
 """A stuck reading leaves no more than this in a stretch, in the law's standard deviations."""
+STILL_SHARE = 0.15
+"""What it leaves, over the standard deviation of the expected motion, at most. A cell whose law is
+broken by a hand or a rope goes on moving: under a hand, two cells came to 0.2 and 0.4."""
 SUSPECT_STDS, SURE_STDS = 2.0, 6.0
 """Standard deviation of the expected motion in a stretch, in those of what the law leaves: from
 the first the law is fitted without the stretch, from the second the channel is stuck. Cells that
@@ -272,6 +275,8 @@ def _throughout(expected: FloatArray, values: FloatArray, left: float, stds: flo
     rest = [np.delete(np.arange(len(values)), quarter) for quarter in quarters]
     whole = [_all_of(expected[one], values[one]) for one in (np.arange(len(values)), *rest)]
     parts = [_all_of(expected[one], values[one]) for one in quarters]
+    if whole[0].stuck[0] > STILL_SHARE**2 * whole[0].motion[0]:
+        return False
     return all(one.sure(left, stds)[0] for one in whole) and not any(
         one.motion[0] > (stds * left) ** 2 and abs(one.follows[0]) > FOLLOWS for one in parts
     )

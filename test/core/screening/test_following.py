@@ -58,6 +58,17 @@ def test_a_stretch_is_found_with_its_share_and_its_law(first: int, end: int, sha
     np.testing.assert_allclose(stuck.expected, readings[:, 0], atol=0.05)
 
 
+def test_a_channel_that_goes_on_by_another_law_is_not_stuck() -> None:
+    """A hand or a rope breaks the law of a channel, which does not stop it."""
+    readings, part = session(), slice(500, 560)
+    rng = np.random.default_rng(5)
+    readings[:, 0] += 0.12 * rng.standard_normal(BLOCKS)
+    law = readings[part, 1:] @ LAW
+    readings[part, 1:] = 1.6 / np.std(law) * (readings[part, 1:] - readings[500, 1:])
+    readings[part, 0] = readings[500, 0] + 0.5 * np.sin(np.linspace(0.0, 6.0, 60))
+    assert found(readings) == []
+
+
 def test_a_channel_may_stick_again_and_again() -> None:
     readings = session()
     for first in range(100, 1200, 200):
