@@ -19,7 +19,7 @@ from shoecal_core.screening.carrying import MovingFoot, describe_moving_feet
 from shoecal_core.screening.clocks import describe_clock_rate, describe_time_offset
 from shoecal_core.screening.disturbed import FAST_MOTIONS
 from shoecal_core.screening.faults import Fault
-from shoecal_core.screening.imu import describe_imu, wrong_mount
+from shoecal_core.screening.imu import describe_imu, wrong_imu
 from shoecal_core.screening.result import LeftOut, Screening, describe_left_out
 from shoecal_core.screening.saturated import (
     at_ends_or_marked,
@@ -92,7 +92,7 @@ def screen(
     if not found.fails:  # else a dead foot seems to carry never or always
         found = found.adding(describe_moving_feet(moving or {}))
     if not soles:  # else the legs say nothing about the IMU
-        found = found.adding(describe_imu(wrong_mount(runs, double)))
+        found = found.adding(describe_imu(wrong_imu(runs, double)))
     if not found.fails:  # else what the CoP shows of the clocks is that fault's
         found = found.adding(describe_clock_rate(clock_rate))
     if found.fails or not double:

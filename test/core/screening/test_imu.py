@@ -1,4 +1,4 @@
-"""An IMU that is mounted otherwise than its frame says."""
+"""An IMU that is mounted otherwise than its frame says, or whose orientation is frozen."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from shoecal_core.arrays import FloatArray
 from shoecal_core.recording.run import ImuSamples, Run
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.screening.faults import Fault
-from shoecal_core.screening.imu import WrongMount, wrong_mount
+from shoecal_core.screening.imu import FrozenImu, WrongMount, wrong_imu
 from shoecal_core.screening.screen import screen
 
 LEAN_RAD = 0.08
@@ -36,7 +36,9 @@ def leaning(turn: Rotation, lean: float = LEAN_RAD) -> tuple[dict[int, Run], dic
 
 
 def found(turn: Rotation, lean: float = LEAN_RAD) -> WrongMount | None:
-    return wrong_mount(*leaning(turn, lean))
+    wrong = wrong_imu(*leaning(turn, lean))
+    assert not isinstance(wrong, FrozenImu)
+    return wrong
 
 
 @pytest.mark.parametrize("degrees", [0.0, 1.0])
@@ -46,7 +48,7 @@ def test_an_imu_mounted_as_it_says(degrees: float) -> None:
 
 def test_no_imu() -> None:
     whole = recording()
-    assert wrong_mount(whole.runs, whole.aligned) is None
+    assert wrong_imu(whole.runs, whole.aligned) is None
 
 
 @pytest.mark.parametrize("axis", ["x", "y", "z", "-z"])
@@ -72,6 +74,21 @@ def test_any_other_mount_is_no_turn_by_right_angles() -> None:
     assert wrong is not None
     assert wrong.turn is None
     assert "tilted by 30 degrees against what the legs say: see how it is mounted" in wrong.text
+
+
+@pytest.mark.parametrize("stuck_runs", [(2,), (1, 2, 3)])
+def test_a_frozen_orientation_is_named(stuck_runs: tuple[int, ...]) -> None:
+    runs, aligned = leaning(Rotation.identity())
+    for number in stuck_runs:
+        imu = runs[number].imu
+        assert imu is not None
+        still = np.tile(imu.quaternion[0], (len(imu.time), 1))
+        runs[number] = replace(runs[number], imu=replace(imu, quaternion=still))
+    wrong = wrong_imu(runs, aligned)
+    assert isinstance(wrong, FrozenImu)
+    assert wrong.runs == stuck_runs
+    assert wrong.lean == pytest.approx(LEAN_RAD, rel=0.1)
+    assert "its orientation is frozen" in wrong.text
 
 
 def test_it_is_in_the_way_of_a_fit() -> None:
