@@ -19,6 +19,7 @@ class Fault(Enum):
     INVERTED = "inverted"
     SWAPPED = "swapped"
     MOVED_ZEROS = "moved_zeros"
+    CHANGED_GAINS = "changed_gains"
     WRONG_WEIGHT = "wrong_weight"
     PULLED = "pulled"
     SPIKE = "spike"

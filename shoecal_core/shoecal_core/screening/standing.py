@@ -13,6 +13,7 @@ from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.lifting import TRANSIT_S, LiftedFoot, lifted
 from shoecal_core.samples.stretches import JOIN_S, lasting, stretches, widened
 from shoecal_core.screening.blocks import Blocks, blocks
+from shoecal_core.screening.changed_gains import changed_gains, describe_changed_gains
 from shoecal_core.screening.closure import FootMotion, Slipped, describe_slips, feet, slips
 from shoecal_core.screening.disturbed import disturbed
 from shoecal_core.screening.faults import Fault
@@ -167,6 +168,9 @@ def _zeros_or_cables(
     wanders = wandering(shoe, rows, parts, information, weight, settings)
     if wanders is not None:
         return describe_wandering(shoe, wanders)
+    changed = changed_gains(rows, information, weight, settings)
+    if changed is not None:
+        return describe_changed_gains(shoe, changed)
     wiring = describe_wiring(shoe, check_wiring(shoe, parts, information, weight, settings))
     return wiring or describe_turned_frames(
         turned_frames(shoe, parts, information, weight, settings)

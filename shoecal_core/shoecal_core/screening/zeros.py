@@ -130,7 +130,7 @@ def _odd(
     """The fewest runs, of an order, whose own zeros alone explain what the runs contradict."""
     none = before = max(solve(runs, information).cost, LEAST_COST)
     for count in range(1, len(order)):
-        left = solve(*_with_own(runs, order[:count], information, weight, settings)).cost
+        left = solve(*with_own(runs, order[:count], information, weight, settings)).cost
         if before <= LEFT * none and left > NO_BETTER * before:
             return tuple(sorted(order[: count - 1]))
         before = left
@@ -199,7 +199,7 @@ def _shifts(
     """(R, 3) the runs' own wrenches [N, N m], the share of the misfit that they leave, and the
     equations without them, weighted as they are with them.
     """
-    own, whole = _with_own(runs, tuple(runs), information, weight, settings)
+    own, whole = with_own(runs, tuple(runs), information, weight, settings)
     own = reweighed(own, whole)
     fit = solve(own, whole)
     common = {run: replace(one, weight=own[run].weight) for run, one in runs.items()}
@@ -207,7 +207,7 @@ def _shifts(
     return fit.vector[len(information) :].reshape(len(runs), 3), left, common
 
 
-def _with_own(
+def with_own(
     runs: Mapping[int, Equations],
     free: Sequence[int],
     information: FloatArray,
