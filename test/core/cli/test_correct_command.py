@@ -28,7 +28,7 @@ def sessions(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     folder = tmp_path_factory.mktemp("correct")
     for name, seed, supports in (("fitted", 6, 8), ("new", 96, 3)):
         words = ["simulate", WREN, WREN_SHOE, "--supports", supports, "--seed", seed]
-        words += ["--robot-seed", 6, "--out", folder / name]
+        words += ["--robot-seed", 6, "--rate", 50, "--out", folder / name]
         assert cli.main([str(word) for word in words]) == 0
     return folder / "fitted", folder / "new"
 
@@ -112,7 +112,7 @@ def test_meshes_that_a_copy_does_not_find_are_told(
 def test_files_that_gain_nothing_stay(shoecal: Run, tmp_path: Path) -> None:
     session, out = tmp_path / "session", tmp_path / "out"
     words = ["simulate", WREN, WREN_SHOE, "--supports", "4", "--reality", PERFECT]
-    assert shoecal(*words, "--out", session)[0] == 0
+    assert shoecal(*words, "--rate", 50, "--out", session)[0] == 0
     code, _, error = shoecal("correct", session, "--out", out)
     assert code == 1
     assert "no joint zero and no mass" in error

@@ -133,20 +133,18 @@ def test_a_plan_without_sending_moves_nothing(still: World) -> None:
     assert not len(commands)
 
 
-def test_nothing_is_sent_before_it_is_armed(still: World) -> None:
-    result = plan(still, send=True).result()
-    assert result.error_code == Plan.Result.NOT_ARMED
-    assert "shoe/arm" in result.message
-
-
-@pytest.mark.parametrize(
-    ("goal", "problem"),
-    [({"motion": "dance"}, "landmarks"), ({"stream": True}, "ask to send it")],
-)
-def test_bad_goals(still: World, goal: dict[str, object], problem: str) -> None:
-    result = plan(still, **goal).result()
-    assert result.error_code == Plan.Result.BAD_GOAL
-    assert problem in result.message
+def test_goals_that_are_refused_at_once(still: World) -> None:
+    """Nothing is sent before it is armed, and no goal that makes no sense is planned."""
+    codes = Plan.Result
+    goals: list[tuple[dict[str, object], int, str]] = [
+        ({"send": True}, codes.NOT_ARMED, "shoe/arm"),
+        ({"motion": "dance"}, codes.BAD_GOAL, "landmarks"),
+        ({"stream": True}, codes.BAD_GOAL, "ask to send it"),
+    ]
+    for goal, code, problem in goals:
+        result = plan(still, **goal).result()
+        assert result.error_code == code
+        assert problem in result.message
 
 
 def test_a_robot_that_does_not_follow_is_told_to_hold(still: World) -> None:
