@@ -23,7 +23,7 @@ LEFT = 0.2
 """Of the misfit under common gains, what two sets of gains leave at most. Wrong weights, ropes and
 slips are no gains: they leave more."""
 LEAST_RUNS = 3
-"""Of two runs nobody knows which is the odd one."""
+"""Of two runs it is not known which is the odd one."""
 DIFFERS = 0.08
 """By which a gain differs from the other one's, as a share: gains are known no better from a few
 runs; amplifiers' ranges differ by a factor of two and more, cells of one type by a quarter."""
@@ -139,7 +139,7 @@ def _alike(ratio: Mapping[int, float]) -> bool:
 
 
 def describe_changed_gains(shoe: Shoe, found: ChangedGains) -> list[Finding]:
-    """Runs under other gains; what a reading shows is told, the inverse of its gain."""
+    """Runs under other gains; their readings are so many times as large as gains are small."""
     feet = [
         name
         for foot, name in enumerate(FEET)

@@ -214,7 +214,10 @@ def with_own(
     weight: float,
     settings: CalibrationSettings,
 ) -> tuple[dict[int, Equations], FloatArray]:
-    """Equations in which the runs in `free` have wrenches of their own, and the information."""
+    """Equations in which the runs in `free` have wrenches of their own, and the prior information.
+
+    The information (2n + 3r,) is that of gains and offsets (2n,) and of the wrenches of r runs.
+    """
     count = len(free)
     moment = settings.cop_std_m * weight
     std = np.array([settings.force_std_n, moment, moment])
