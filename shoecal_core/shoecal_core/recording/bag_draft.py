@@ -40,6 +40,7 @@ from shoecal_core.recording.joint_series import (
     without_zeros,
 )
 from shoecal_core.recording.mapping import ANGLE_UNIT, FORMAT
+from shoecal_core.recording.replayed import describe_replayed
 from shoecal_core.recording.schemas import SHOE_VOLTAGES_TYPE
 from shoecal_core.recording.standing import find_feet
 from shoecal_core.robot.double_support import DoubleSupport
@@ -125,6 +126,9 @@ def draft_mapping(bags: Sequence[Path], robot: Robot, shoe: Shoe) -> BagDraft:
     if not {"cells", "wrenches.left", "wrenches.right"} & set(found):
         raise RecordingError(bags[0], f"{_no_readings(shoe, seen, empty)}; {there}")
     used = [topic for match in found.values() for topic in match.topics]
+    for topic in used:
+        if topic in seen and (apart := seen[topic].apart_s):
+            raise RecordingError(bags[0], describe_replayed(apart), field=topic)
     received = _other_clocks({topic: (seen | others)[topic] for topic in used})
     notes = [f"{topic}: {_why_received((seen | others)[topic])}" for topic in received]
     notes += [DEGREES] if degrees else []

@@ -34,6 +34,7 @@ from shoecal_core.recording.imported_angles import check_angles
 from shoecal_core.recording.join import few_digits, in_order, two_orders, two_orders_text
 from shoecal_core.recording.mapping import BAG, Trial
 from shoecal_core.recording.names import without_prefix
+from shoecal_core.recording.replayed import describe_replayed, replayed
 from shoecal_core.recording.schemas import SHOE_VOLTAGES_TYPE
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.urdf import ROOT_JOINTS, Outline, read_outline, read_urdf
@@ -152,6 +153,10 @@ class _Importer:
             received = _Received(path, topic, times, contents, notes)
             if not by_receipt:
                 _check_stamps(received)
+                sent = [(one.received_ns, at) for one, at in zip(own, times, strict=True) if at]
+                delays = [1e-9 * (there - at) for there, at in sent]
+                if apart := replayed(delays):
+                    raise received.error(describe_replayed(apart))
             late = int(np.sum(~in_order(np.array(times))))
             if late:
                 _check_digits(received)

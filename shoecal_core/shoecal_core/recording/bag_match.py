@@ -30,6 +30,7 @@ from shoecal_core.recording.bag_fields import (
 )
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.names import matched_names, without_prefix
+from shoecal_core.recording.replayed import replayed
 from shoecal_core.recording.schemas import SHOE_VOLTAGES_TYPE
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.urdf import ROOT_JOINTS
@@ -67,6 +68,7 @@ class TopicContent:
         offset_s: how much later than stamped they were received, median [s]; None: no stamps.
         numbers: paths of the numbers in a message of a type that is not known.
         named: path of the number that such a message gives for a name, by the name.
+        apart_s: by which the stamps of two series in turns differ [s]; None: it is one series.
     """
 
     type: str
@@ -77,6 +79,7 @@ class TopicContent:
     offset_s: float | None
     numbers: tuple[str, ...] = ()
     named: Mapping[str, str] = field(default_factory=dict)
+    apart_s: float | None = None
 
 
 @dataclass(frozen=True)
@@ -168,6 +171,7 @@ def _seen(kind: str, contents: Sequence[Any], delays: Sequence[float]) -> TopicC
         names=_distinct(names),
         force=np.mean(forces, axis=0) if forces else np.zeros(3),
         offset_s=float(np.median(delays)) if delays else None,
+        apart_s=replayed(delays),
     )
 
 

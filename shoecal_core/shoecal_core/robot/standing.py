@@ -15,6 +15,9 @@ from shoecal_core.shoe.shoe import FEET
 MAX_LEAN = np.radians(60.0)
 """A CoM farther off a sole's z axis than this is not above that sole: the axis points elsewhere."""
 
+OPPOSITE = np.radians(120.0)
+"""No posture turns one foot farther from the other: one sole's x axis points to the heel."""
+
 
 def feet_gap(robot: Robot, support: DoubleSupport) -> float:
     """Gap between the outlines of the two feet, zero where they touch or overlap [m]."""
@@ -40,11 +43,22 @@ def check_standing(robot: Robot, fields: Fields) -> None:
     for name, sole in zip(FEET, (left, right), strict=True):
         _check_upright(sole.actInv(com), fields.mapping("feet").mapping(name))
     between = left.actInv(right)
+    yaw = np.arctan2(between.rotation[1, 0], between.rotation[0, 0])
+    if abs(yaw) > OPPOSITE:
+        left_ahead, right_ahead = (
+            np.degrees(np.arctan2(sole.rotation[1, 0], sole.rotation[0, 0]))
+            for sole in (left, right)
+        )
+        raise fields.error(
+            "feet",
+            "in posture_rad the x axes of the soles point apart (left at "
+            f"{left_ahead:.0f}, right at {right_ahead:.0f} degrees from the base's x axis); turn "
+            "the sole_rpy_rad of the foot whose x axis points to its heel by half a turn about z",
+        )
     if between.translation[1] > 0.0 > neutral.dy:
         raise fields.error(
             "feet", "left and right are exchanged: the right sole lies to the left of the left one"
         )
-    yaw = np.arctan2(between.rotation[1, 0], between.rotation[0, 0])
     stance = DoubleSupport(*(float(value) for value in (*between.translation[:2], yaw)))
     if not feet_gap(robot, stance) > 0.0:
         raise fields.error(

@@ -57,6 +57,11 @@ class Lab:
         values = {**self.values(), **changed}
         write_yaml(self.mapping, {key: one for key, one in values.items() if one is not None})
 
+    def imported_from(self, bag: Path) -> Session:
+        """With the mapping as it is, but of another bag."""
+        self.edit(trials=[{"bag": bag.name, "motion": "walk"}])
+        return self.imported()
+
     def imported(self, folder: Path | None = None) -> Session:
         return import_bags(self.mapping, self.folder, folder or self.folder / "session")
 
@@ -129,6 +134,19 @@ def test_what_is_unclear_is_asked_for(lab: Lab) -> None:
     base = lab.imported().read(1).base_pose
     assert base is not None
     assert len(base.time) == 100
+
+
+def test_an_old_bag_played_while_the_new_one_was_recorded(lab: Lab) -> None:
+    bag = bags.walk(lab.folder, "walk", "mcap", lab.joints)
+    lab.draft(bag.close())
+    bag = bags.walk(lab.folder, "both", "mcap", lab.joints)
+    for time in np.arange(0.0, 1.9, 0.02):
+        old = bag.joint_state(time - 3600.0, list(lab.joints), np.zeros(len(lab.joints)))
+        bag.add(time, "/joint_states", old)
+    recorded = bag.close()
+    for read in (lambda: lab.draft(recorded), lambda: lab.imported_from(recorded)):
+        with pytest.raises(FileError, match=r"/joint_states: holds two series .* 3600\.0 s apart"):
+            read()
 
 
 def test_the_pose_of_another_link_of_the_base_is_carried_over(lab: Lab) -> None:

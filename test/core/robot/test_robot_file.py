@@ -234,6 +234,9 @@ BAD: dict[str, tuple[tuple[Key, ...], object, str, str]] = {
     "feet that overlap in the posture": (
         ("posture_rad", "left_hip_roll"), -0.2, "posture_rad", "overlap in this posture"
     ),
+    "a sole whose x axis points to its heel": (
+        (*LEFT, "sole_rpy_rad"), [0, 0, 3.1416], "feet", "x axes of the soles point apart (left at "
+    ),
     "a sensing polygon outside": (
         (*LEFT, "sensing_polygon_m"),
         lambda points: [[2 * x, y] for x, y in points],
