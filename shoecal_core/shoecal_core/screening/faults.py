@@ -8,6 +8,7 @@ from enum import Enum
 class Fault(Enum):
     """A kind of fault; its value is its name in result files."""
 
+    TWINS = "twins"
     UNREADABLE = "unreadable"
     JOINT_ZERO = "joint_zero"
     BASE_POSE = "base_pose"

@@ -31,6 +31,7 @@ from shoecal_core.screening.saturated import (
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.screening.soles import Soles, describe_soles
 from shoecal_core.screening.standing import screen_standing
+from shoecal_core.screening.twins import describe_twins, find_twins
 from shoecal_core.screening.units import describe_units, other_units, units_of_walks
 from shoecal_core.screening.unresponsive import (
     dead,
@@ -78,6 +79,7 @@ def screen(
     )
     if not runs:
         return found
+    found = found.adding(describe_twins(find_twins(runs)))
     double = {
         number: one for number, one in aligned.items() if runs[number].info.support is not None
     }

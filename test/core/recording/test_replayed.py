@@ -32,5 +32,6 @@ def test_single_messages_that_come_late() -> None:
 def test_an_old_bag_that_was_played(apart: float, said: str) -> None:
     turns = np.arange(300) % 3 == 0
     found = replayed((LATE_S + apart * turns).tolist())
+    assert found is not None
     assert found == pytest.approx(apart, abs=0.01)
     assert said in describe_replayed(found)
