@@ -32,6 +32,9 @@ SUSPECT_STDS, SURE_STDS = 2.0, 6.0
 """Standard deviation of the expected motion in a stretch, in those of what the law leaves: from
 the first the law is fitted without the stretch, from the second the channel is stuck. Cells that
 follow came to 3.6, cells that were stuck to 23 and more."""
+AWAY, CONSTANT = 2.0, 0.05
+"""The same of the distance from the law at which an open input rests, over those of the motion that
+is sure; and what it leaves of that motion, at most. A cell that is pressed goes on moving."""
 LEAST_BLOCKS = 10
 """Shorter stretches are no evidence."""
 COARSE, FINE = 60, 400
@@ -194,6 +197,15 @@ class _Compared:
         )
         return sure
 
+    def unplugged(self, left: float, stds: float) -> bool:
+        """Whether the channel stays at a level that is not its own in the first stretch.
+
+        Then it need not be missed by as much motion.
+        """
+        far = self.lawful[0] > (AWAY * stds * left) ** 2
+        moves = self.motion[0] > (SUSPECT_STDS * left) ** 2
+        return bool(far and moves and self.stuck[0] < CONSTANT**2 * self.motion[0])
+
 
 def _compare(
     count: FloatArray,
@@ -273,11 +285,13 @@ def _throughout(expected: FloatArray, values: FloatArray, left: float, stds: flo
     """
     quarters = np.array_split(np.arange(len(values)), 4)
     rest = [np.delete(np.arange(len(values)), quarter) for quarter in quarters]
-    whole = [_all_of(expected[one], values[one]) for one in (np.arange(len(values)), *rest)]
-    parts = [_all_of(expected[one], values[one]) for one in quarters]
-    if whole[0].stuck[0] > STILL_SHARE**2 * whole[0].motion[0]:
+    whole = _all_of(expected, values)
+    if whole.stuck[0] > STILL_SHARE**2 * whole.motion[0]:
         return False
-    return all(one.sure(left, stds)[0] for one in whole) and not any(
+    stuck = all(_all_of(expected[one], values[one]).sure(left, stds)[0] for one in rest)
+    parts = [_all_of(expected[one], values[one]) for one in quarters]
+    still = whole.unplugged(left, stds) or (stuck and bool(whole.sure(left, stds)[0]))
+    return still and not any(
         one.motion[0] > (stds * left) ** 2 and abs(one.follows[0]) > FOLLOWS for one in parts
     )
 

@@ -69,6 +69,19 @@ def test_a_channel_that_goes_on_by_another_law_is_not_stuck() -> None:
     assert found(readings) == []
 
 
+def test_an_open_input_rests_at_a_level_of_its_own() -> None:
+    """It is far from the law while little motion is missed."""
+    rng = np.random.default_rng(5)
+    readings, part = session(), slice(500, 530)
+    readings[:, 0] += 0.04 * rng.standard_normal(BLOCKS)
+    moved = readings[part, 1:] - readings[500, 1:]
+    calm = readings[500, 1:] + 0.15 / np.std(moved @ LAW) * moved
+    readings[part] = np.column_stack((np.full(30, readings[500, 0] + 1.3), calm))
+    assert [one.channel for one in found(readings)] == [0]
+    readings[part, 0] = readings[500, 0] + 1.3 + (calm - readings[500, 1:]) @ LAW
+    assert 0 not in [one.channel for one in found(readings)]
+
+
 def test_a_channel_may_stick_again_and_again() -> None:
     readings = session()
     for first in range(100, 1200, 200):
