@@ -35,6 +35,7 @@ from shoecal_core.screening.extract import stances_of, zeros_of
 from shoecal_core.screening.result import Screening
 from shoecal_core.screening.screen import screen
 from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.smoothed import smoothed_by
 from shoecal_core.screening.soles import Soles, open_soles
 from shoecal_core.shoe.shoe import Shoe
 
@@ -193,7 +194,9 @@ def load_data(
         }
         late = time_offset(standing, shoe, robot.weight, settings)
         starts = {number: run.start_ns / 1e9 for number, run in read.items()}
-        rate = clock_rate(starts, standing, shoe, robot.weight, settings)
+        smoothed = smoothed_by(standing, shoe, robot.weight, settings)
+        # What a filter leaves of the CoP drifts against the model as a clock's does.
+        rate = 0.0 if smoothed else clock_rate(starts, standing, shoe, robot.weight, settings)
         if late != 0.0:
             aligned = {}
             for number, run in read.items():
@@ -203,7 +206,9 @@ def load_data(
         there = {number: aligned[number] for number in loaded}
         soles = open_soles(loaded, there, shoe, kinematics)
         moving = moving_feet(loaded, there, shoe, robot)
-        screening = screen(loaded, there, shoe, robot.weight, settings, late, soles, rate, moving)
+        screening = screen(
+            loaded, there, shoe, robot.weight, settings, late, soles, rate, moving, smoothed
+        )
     stances: dict[int, tuple[Stance, ...]] = dict.fromkeys(read, ())
     zeros: list[Zero] = []
     for number, run in read.items():

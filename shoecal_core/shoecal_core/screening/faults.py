@@ -31,3 +31,4 @@ class Fault(Enum):
     TOO_LITTLE = "too_little"
     LATE = "late"
     SLOW = "slow"
+    SMOOTHED = "smoothed"

@@ -29,6 +29,7 @@ from shoecal_core.screening.saturated import (
     within_range,
 )
 from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.smoothed import describe_smoothed
 from shoecal_core.screening.soles import Soles, describe_soles
 from shoecal_core.screening.standing import screen_standing
 from shoecal_core.screening.units import describe_units, other_units, units_of_walks
@@ -55,6 +56,7 @@ def screen(
     soles: Mapping[int, Soles] | None = None,
     clock_rate: float = 0.0,
     moving: Mapping[int, MovingFoot] | None = None,
+    smoothed: float = 0.0,
 ) -> Screening:
     """Look for every fault.
 
@@ -68,6 +70,7 @@ def screen(
         soles: that are not level, by run.
         clock_rate: by which the readings' clock runs faster than the joints', as a share.
         moving: feet that do not stay while they carry a walking robot, by run.
+        smoothed: standard deviation of the filter that the readings went through [s].
     """
     runs, aligned = dict(sorted(runs.items())), dict(sorted(aligned.items()))
     found = Screening(
@@ -93,8 +96,8 @@ def screen(
         found = found.adding(describe_moving_feet(moving or {}))
     if not soles:  # else the legs say nothing about the IMU
         found = found.adding(describe_imu(wrong_mount(runs, double)))
-    if not found.fails:  # else what the CoP shows of the clocks is that fault's
-        found = found.adding(describe_clock_rate(clock_rate))
+    if not found.fails:  # else what the CoP shows of filter and clocks is that fault's
+        found = found.adding(describe_smoothed(smoothed) + describe_clock_rate(clock_rate))
     if found.fails or not double:
         return found
     lifting = {
