@@ -29,6 +29,7 @@ from shoecal_core.samples.sampling import make_samples
 from shoecal_core.samples.settings import SampleSettings
 from shoecal_core.samples.stance import Stance
 from shoecal_core.samples.zeros import Zero
+from shoecal_core.screening.angle_steps import coarse_step
 from shoecal_core.screening.carrying import MovingFoot, moving_feet
 from shoecal_core.screening.clocks import clock_rate, time_offset
 from shoecal_core.screening.extract import stances_of, zeros_of
@@ -206,8 +207,9 @@ def load_data(
         there = {number: aligned[number] for number in loaded}
         soles = open_soles(loaded, there, shoe, kinematics)
         moving = moving_feet(loaded, there, shoe, robot)
+        step = coarse_step(loaded.values(), robot.leg_names, settings)
         screening = screen(
-            loaded, there, shoe, robot.weight, settings, late, soles, rate, moving, smoothed
+            loaded, there, shoe, robot.weight, settings, late, soles, rate, moving, smoothed, step
         )
     stances: dict[int, tuple[Stance, ...]] = dict.fromkeys(read, ())
     zeros: list[Zero] = []

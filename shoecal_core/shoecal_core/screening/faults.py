@@ -32,3 +32,4 @@ class Fault(Enum):
     LATE = "late"
     SLOW = "slow"
     SMOOTHED = "smoothed"
+    COARSE_ANGLES = "coarse_angles"
