@@ -29,12 +29,14 @@ from shoecal_core.samples.sampling import make_samples
 from shoecal_core.samples.settings import SampleSettings
 from shoecal_core.samples.stance import Stance
 from shoecal_core.samples.zeros import Zero
+from shoecal_core.screening.angle_steps import coarse_step
 from shoecal_core.screening.carrying import MovingFoot, moving_feet
 from shoecal_core.screening.clocks import clock_rate, time_offset
 from shoecal_core.screening.extract import stances_of, zeros_of
 from shoecal_core.screening.result import Screening
 from shoecal_core.screening.screen import screen
 from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.smoothed import smoothed_by
 from shoecal_core.screening.soles import Soles, open_soles
 from shoecal_core.shoe.shoe import Shoe
 
@@ -193,7 +195,9 @@ def load_data(
         }
         late = time_offset(standing, shoe, robot.weight, settings)
         starts = {number: run.start_ns / 1e9 for number, run in read.items()}
-        rate = clock_rate(starts, standing, shoe, robot.weight, settings)
+        smoothed = smoothed_by(standing, shoe, robot.weight, settings)
+        # What a filter leaves of the CoP drifts against the model as a clock's does.
+        rate = 0.0 if smoothed else clock_rate(starts, standing, shoe, robot.weight, settings)
         if late != 0.0:
             aligned = {}
             for number, run in read.items():
@@ -203,7 +207,10 @@ def load_data(
         there = {number: aligned[number] for number in loaded}
         soles = open_soles(loaded, there, shoe, kinematics)
         moving = moving_feet(loaded, there, shoe, robot)
-        screening = screen(loaded, there, shoe, robot.weight, settings, late, soles, rate, moving)
+        step = coarse_step(loaded.values(), robot.leg_names, settings)
+        screening = screen(
+            loaded, there, shoe, robot.weight, settings, late, soles, rate, moving, smoothed, step
+        )
     stances: dict[int, tuple[Stance, ...]] = dict.fromkeys(read, ())
     zeros: list[Zero] = []
     for number, run in read.items():

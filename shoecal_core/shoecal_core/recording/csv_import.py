@@ -29,6 +29,7 @@ from shoecal_core.recording.imported_angles import (
 )
 from shoecal_core.recording.join import few_digits, in_order
 from shoecal_core.recording.mapping import Trial
+from shoecal_core.recording.packets import ANGLES_S, READINGS_S, find_packets
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.urdf import Outline, read_outline
 from shoecal_core.shoe.shoe import Shoe, load_shoe
@@ -135,6 +136,7 @@ class _Importer:
             for name, file in trial.files.items()
         }
         rows = _cut(self._rows(tables, trial.start_ns, notes), trial)
+        self._check_packets(rows)
         found = self._joint_states(rows)
         for name, meaning in mapping.tables.items():
             here = rows[name]
@@ -163,6 +165,21 @@ class _Importer:
         assert time is not None
         rows = _timed(tables[clock], time, start_ns, notes, count)
         return {name: replace(rows, table=table) for name, table in tables.items()}
+
+    def _check_packets(self, rows: Mapping[str, _Rows]) -> None:
+        """Refuse tables of joints or readings that are stamped packet by packet."""
+        for name, meaning in self._mapping.tables.items():
+            time = self._mapping.tables[self._mapping.clock or name].time
+            if time is None or not (meaning.joints or meaning.cells or "wrench" in meaning.sensors):
+                continue
+            what, bearable = (
+                ("joint angles", ANGLES_S) if meaning.joints else ("readings", READINGS_S)
+            )
+            here = rows[name]
+            since = 1e-9 * (here.stamps - here.stamps[0])
+            if (packets := find_packets(since, bearable)) is not None:
+                place = int(here.kept[packets.first])
+                raise here.table.error(time.name, place, packets.describe(what))
 
     def _common_rows(self, tables: Mapping[str, CsvTable], clock: str, notes: list[str]) -> int:
         """Number of rows that all tables of one clock have."""

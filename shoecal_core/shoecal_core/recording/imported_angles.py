@@ -1,4 +1,6 @@
-"""Joint angles of imported recordings, compared with limits, supports and soles that are level."""
+"""Joint angles of imported recordings, compared with limits, supports and soles that are level;
+and stamps of receipt.
+"""
 
 from __future__ import annotations
 
@@ -26,6 +28,7 @@ from shoecal_core.recording.joint_series import (
     without_zeros,
 )
 from shoecal_core.recording.mapping import MappingHead
+from shoecal_core.recording.packets import ANGLES_S, READINGS_S, find_packets
 from shoecal_core.recording.standing import Feet, find_feet
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.kinematics import Kinematics
@@ -47,7 +50,8 @@ def check_angles(head: MappingHead, runs: Sequence[ImportedRun]) -> list[Importe
         runs: as read.
 
     Raises:
-        RecordingError: for joints that are missing or have no angles, and for angles in degrees.
+        RecordingError: for joints that are missing or have no angles, for angles in degrees, and
+            for what is stamped packet by packet.
         FieldError: for a support of the opposite sign than the joint angles give.
     """
     limits = read_outline(head.urdf).limits
@@ -60,6 +64,7 @@ def check_angles(head: MappingHead, runs: Sequence[ImportedRun]) -> list[Importe
         for joint, series in angles.items():
             if not len(series.time) and joint not in optional:
                 raise no_angles(one.source, joint, head.robot)
+        _check_packets(one, angles)
         angles, jumping = without_zeros(angles)
         notes = _beyond_limits(one.source, angles, limits)
         if shoe is not None and kinematics is not None and stands:
@@ -170,6 +175,17 @@ def _feet(run: ImportedRun, kinematics: Kinematics, shoe: Shoe, angles: Series) 
         if run.trial.support is None:
             return None
         raise RecordingError(run.source, str(error)) from error
+
+
+def _check_packets(run: ImportedRun, angles: Series) -> None:
+    """Refuse angles or readings whose stamps are those of their receipt in packets."""
+    for what, series, bearable in (
+        ("joint angles", angles, ANGLES_S),
+        ("readings", _readings(run), READINGS_S),
+    ):
+        for name, one in series.items():
+            if (packets := find_packets(one.time, bearable)) is not None:
+                raise RecordingError(run.source, packets.describe(what), field=name)
 
 
 def _compare(

@@ -10,6 +10,7 @@ from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.recording.align import interpolate_joints
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.joint_series import beyond_limits, in_degrees
+from shoecal_core.recording.packets import ANGLES_S, READINGS_S, find_packets
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.schemas import GOOD, JOINT_STATES
 from shoecal_core.robot.kinematics import BodyStates, Kinematics
@@ -67,13 +68,15 @@ def align(run: Run, shoe: Shoe, kinematics: Kinematics, *, late_s: float = 0.0) 
 
     Raises:
         JointsMissingError: the run's joints are not the robot's.
-        RecordingError: too little remains, or angles are in degrees or those of two senders.
+        RecordingError: too little remains, angles are in degrees or those of two senders, or either
+            is stamped packet by packet.
     """
     good = np.isfinite(run.readings.value).all(axis=1) & (run.readings.status == GOOD).all(axis=1)
     time = run.readings.time[good]
     names = recorded_joints(run, kinematics.robot)
     _check_unit(run, names, kinematics.robot)
     _check_jumps(run, names, kinematics.robot)
+    _check_packets(run, names)
     measured, covered = interpolate_joints(
         run.joints, time, MAX_JOINT_GAP_S, late_s=late_s, names=names
     )
@@ -126,6 +129,18 @@ def _check_jumps(run: Run, names: list[str], robot: Robot) -> None:
                 "take turns, or encoders fail; record it from one source",
                 field=JOINT_STATES,
             )
+
+
+def _check_packets(run: Run, names: list[str]) -> None:
+    """Refuse readings or angles whose stamps are those of their receipt in packets."""
+    angles = [run.joints.position[:, run.joints.names.index(name)] for name in names]
+    for what, time, columns, bearable in (
+        ("readings", run.readings.time, list(run.readings.value.T), READINGS_S),
+        ("joint angles", run.joints.time, angles, ANGLES_S),
+    ):
+        for known in {np.isfinite(one).tobytes(): np.isfinite(one) for one in columns}.values():
+            if (packets := find_packets(time[known], bearable)) is not None:
+                raise RecordingError(run.path, packets.describe(what))
 
 
 def _cure(run: Run, names: list[str]) -> str:

@@ -13,6 +13,10 @@ from scipy.ndimage import uniform_filter1d
 
 from shoecal_core.arrays import FloatArray
 
+PACKETS_S = 0.2
+"""Spans more than one packet of those that are read; gaps of a recording are few of such spans."""
+SHORT = 0.5
+"""A median step below that share of the mean one is that within a packet."""
 EVEN = 0.01
 """Periods that differ by less than this share of one are even."""
 
@@ -72,8 +76,16 @@ def rise(rate: FloatArray, time: FloatArray, span: float) -> FloatArray:
 
 
 def typical_period(time: FloatArray) -> float:
-    """Median time from one sample (T,) to the next [s]."""
-    return float(np.median(np.diff(time)))
+    """Median time from one sample (T,) to the next; of samples that come in packets, on average
+    over PACKETS_S [s].
+    """
+    steps = np.diff(time)
+    step, mean = float(np.median(steps)), float(steps.mean())
+    if step >= SHORT * mean:
+        return step
+    count = min(max(1, round(PACKETS_S / mean)), len(steps))
+    average = float(np.median(time[count:] - time[:-count])) / count
+    return step if step >= SHORT * average else average
 
 
 def evenly(

@@ -15,7 +15,7 @@ from shoecal_core.recording.run import Run
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot import GRAVITY, Robot
 from shoecal_core.samples.aligned import Aligned
-from shoecal_core.samples.filters import evenly
+from shoecal_core.samples.filters import evenly, typical_period
 from shoecal_core.samples.known_weight import carried, with_mass
 from shoecal_core.samples.lifting import (
     BOTH_STAND,
@@ -237,7 +237,7 @@ def _part(
 
 
 def _rate(time: FloatArray) -> float:
-    return 1.0 / float(np.median(np.diff(time)))
+    return 1.0 / typical_period(time)
 
 
 def _smooth(values: FloatArray, time: FloatArray) -> FloatArray:

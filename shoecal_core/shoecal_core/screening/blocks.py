@@ -9,6 +9,7 @@ import numpy as np
 from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.level import standing_samples
 from shoecal_core.samples.aligned import Aligned
+from shoecal_core.samples.filters import typical_period
 from shoecal_core.screening.noise import noise, resolution
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import columns_in_left, combined, weight_below
@@ -81,7 +82,7 @@ def blocks(aligned: Aligned, shoe: Shoe) -> Blocks:
 
 def block_size(time: FloatArray) -> int:
     """Number of samples a block, for samples at times (T,) [s]."""
-    return max(1, round(BLOCK_S / float(np.median(np.diff(time)))))
+    return max(1, round(BLOCK_S / typical_period(time)))
 
 
 def in_blocks(values: FloatArray, size: int) -> FloatArray:

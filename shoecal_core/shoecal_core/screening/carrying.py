@@ -15,6 +15,7 @@ from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.recording.run import PoseSamples, Run
 from shoecal_core.robot.robot import Robot
 from shoecal_core.samples.aligned import Aligned
+from shoecal_core.samples.filters import typical_period
 from shoecal_core.samples.walking import MAX_FOOT_SPEED, MAX_FOOT_TILT, World, in_world
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.verdict import Finding, name_runs
@@ -84,7 +85,7 @@ def moving_feet(
         if run.info.support is not None or base is None or len(base.time) < 2:
             continue
         alone = carried_alone(shoe, one.readings)
-        period = float(np.median(np.diff(one.time)))
+        period = typical_period(one.time)
         if np.any(alone.sum(axis=0) * period < LEAST_S):
             continue
         moving = _moving(one, base, alone, shoe, robot)

@@ -90,7 +90,7 @@ def time_offset(
     """
     if len(aligned) < 2:
         return 0.0
-    tracks = list(_tracks(aligned, shoe, weight, settings).values())
+    tracks = list(cop_tracks(aligned, shoe, weight, settings).values())
     if len(tracks) < 2:
         return 0.0
     late = _late(tracks)
@@ -113,7 +113,7 @@ def clock_rate(
         aligned: runs in double support, by the stamps as they are.
         weight: of robot and shoes [N].
     """
-    tracks = _tracks(aligned, shoe, weight, settings) if aligned else {}
+    tracks = cop_tracks(aligned, shoe, weight, settings) if aligned else {}
     within = _within(list(tracks.values()))
     between = _between(starts, tracks)
     slope, std = within
@@ -244,10 +244,15 @@ def _weights(left: FloatArray) -> FloatArray:
     return weights
 
 
-def _tracks(
+def cop_tracks(
     aligned: Mapping[int, Aligned], shoe: Shoe, weight: float, settings: CalibrationSettings
 ) -> dict[int, CopTrack]:
-    """By run."""
+    """Measured and modelled CoP, by run.
+
+    Args:
+        aligned: runs in double support.
+        weight: of robot and shoes [N].
+    """
     parts = {run: blocks(one, shoe) for run, one in aligned.items()}
     parameters = fit_roughly(shoe, parts, weight, settings).parameters
     tracks = {}
@@ -259,6 +264,11 @@ def _tracks(
         if there.sum() >= MIN_SAMPLES:
             tracks[run] = CopTrack(one.time[there], place[there], one.states.cop[there, 0])
     return tracks
+
+
+def late_of(track: CopTrack) -> float:
+    """Joints of one run are late by so much [s]."""
+    return _late([track])
 
 
 def _late(tracks: list[CopTrack], start: float | None = None) -> float:

@@ -16,7 +16,7 @@ from scipy.ndimage import maximum_filter1d
 from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.samples.aligned import Aligned
-from shoecal_core.samples.filters import evenly
+from shoecal_core.samples.filters import evenly, typical_period
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.verdict import Finding
 
@@ -97,7 +97,7 @@ def slips(runs: Mapping[Key, FootMotion]) -> dict[Key, Slipped]:
     load_size = _in_usual(load, LEAST_SHARE * (high - low))
     found = {}
     for run, one in runs.items():
-        period = float(np.median(np.diff(one.time)))
+        period = typical_period(one.time)
         near = maximum_filter1d(load_size[run], 2 * round(GAP_S / 2.0 / period) + 1)
         here = (closure_size[run] > CLOSURE_STEP) & (near > LOAD_STEP)
         here &= closure_size[run] * near > BOTH_STEPS

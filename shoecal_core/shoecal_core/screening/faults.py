@@ -33,3 +33,5 @@ class Fault(Enum):
     TOO_LITTLE = "too_little"
     LATE = "late"
     SLOW = "slow"
+    SMOOTHED = "smoothed"
+    COARSE_ANGLES = "coarse_angles"

@@ -7,6 +7,7 @@ looked for. What is wrong with a run or a moment of it costs that run or that mo
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from shoecal_core.recording.run import Run
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.lifting import detect_lifted_foot
 from shoecal_core.samples.stretches import JOIN_S, stretches
+from shoecal_core.screening.angle_steps import describe_steps, without_motion
 from shoecal_core.screening.blocks import blocks
 from shoecal_core.screening.carrying import MovingFoot, describe_moving_feet
 from shoecal_core.screening.clocks import describe_clock_rate, describe_time_offset
@@ -29,6 +31,7 @@ from shoecal_core.screening.saturated import (
     within_range,
 )
 from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.smoothed import describe_smoothed
 from shoecal_core.screening.soles import Soles, describe_soles
 from shoecal_core.screening.standing import screen_standing
 from shoecal_core.screening.twins import describe_twins, find_twins
@@ -56,6 +59,8 @@ def screen(
     soles: Mapping[int, Soles] | None = None,
     clock_rate: float = 0.0,
     moving: Mapping[int, MovingFoot] | None = None,
+    smoothed: float = 0.0,
+    step: float = 0.0,
 ) -> Screening:
     """Look for every fault.
 
@@ -69,6 +74,8 @@ def screen(
         soles: that are not level, by run.
         clock_rate: by which the readings' clock runs faster than the joints', as a share.
         moving: feet that do not stay while they carry a walking robot, by run.
+        smoothed: standard deviation of the filter that the readings went through [s].
+        step: of the joint angles, where it is coarse [rad].
     """
     runs, aligned = dict(sorted(runs.items())), dict(sorted(aligned.items()))
     found = Screening(
@@ -90,20 +97,21 @@ def screen(
     if found.fails:
         return found
     found = found.adding(describe_left_out(found.left_out) + _cells(runs, aligned, shoe))
-    found = found.adding(describe_soles(soles or {}))
+    found = found.adding(describe_steps(step, settings) + describe_soles(soles or {}))
     if not found.fails:  # else a dead foot seems to carry never or always
         found = found.adding(describe_moving_feet(moving or {}))
     if not soles:  # else the legs say nothing about the IMU
         found = found.adding(describe_imu(wrong_imu(runs, double)))
-    if not found.fails:  # else what the CoP shows of the clocks is that fault's
-        found = found.adding(describe_clock_rate(clock_rate))
+    if not found.fails:  # else what the CoP shows of filter and clocks is that fault's
+        found = found.adding(describe_smoothed(smoothed) + describe_clock_rate(clock_rate))
     if found.fails or not double:
         return found
     lifting = {
         number: detect_lifted_foot(runs[number].info.motion, one) for number, one in double.items()
     }
     fast = {number for number in double if runs[number].info.motion in FAST_MOTIONS}
-    return screen_standing(found, double, lifting, fast, shoe, weight, settings)
+    whole = screen_standing(found, double, lifting, fast, shoe, weight, settings)
+    return replace(whole, findings=without_motion(whole.findings)) if step else whole
 
 
 def _lost(

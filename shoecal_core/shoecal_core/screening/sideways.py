@@ -15,6 +15,7 @@ import numpy as np
 from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.samples.aligned import Aligned
+from shoecal_core.samples.filters import typical_period
 from shoecal_core.screening.blocks import block_size, in_blocks
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.verdict import Finding
@@ -63,7 +64,7 @@ def sideways_fault(
         forces.append((shown - np.median(shown, axis=0)).reshape(-1, 2, 2))
         turns.append(in_blocks(one.states.rotation[:, :2, :2], size).mean(axis=1))
         com = in_blocks(one.states.com[:, 0, :2], size).mean(axis=1)
-        period = size * float(np.median(np.diff(one.time)))
+        period = size * typical_period(one.time)
         rate = np.gradient(com, period, axis=0)
         pushes.append(weight / GRAVITY * np.gradient(rate, period, axis=0))
     force, turn = np.concatenate(forces), np.concatenate(turns)

@@ -10,6 +10,7 @@ from scipy.ndimage import median_filter
 
 from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.samples.aligned import Aligned
+from shoecal_core.samples.filters import typical_period
 from shoecal_core.samples.lifting import TRANSIT_S, LiftedFoot, lifted
 from shoecal_core.samples.stretches import JOIN_S, lasting, stretches, widened
 from shoecal_core.screening.blocks import Blocks, blocks
@@ -267,7 +268,7 @@ class _Watch:
     def load(self, aligned: Aligned) -> FloatArray:
         """(T, 2) each foot's share of the weight."""
         share = self._carried(aligned.readings) / self.weight
-        window = max(1, round(CALM_S / float(np.median(np.diff(aligned.time)))))
+        window = max(1, round(CALM_S / typical_period(aligned.time)))
         calm: FloatArray = median_filter(share, (window, 1), mode="nearest")
         return calm
 

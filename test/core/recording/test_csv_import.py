@@ -254,6 +254,20 @@ def test_two_logs_in_one_file(folder: Path) -> None:
         import_all(folder)
 
 
+def test_rows_stamped_when_received_are_refused(folder: Path) -> None:
+    rows = [f"{400 * (at // 20) + at % 20};{0.001 * at}" for at in range(300)]
+    for trial in "ab":
+        (folder / trial / "pos.csv").write_text("\n".join(["t;LKneePitch", *rows]) + "\n")
+        (folder / trial / "ft.csv").write_text(
+            "\n".join([FT.splitlines()[0], *300 * ["1;2;-4;4;5;6"]]) + "\n"
+        )
+    lines = MAPPING.splitlines(keepends=True)
+    text = "".join(line for line in lines if "base_pose" not in line)
+    (folder / "mapping.yaml").write_text(text)
+    with pytest.raises(FileError, match=r"line 22: .* in packets of 20 every 0.40 s"):
+        import_all(folder)
+
+
 def test_cells_by_the_names_of_columns(folder: Path) -> None:
     mapping = MAPPING.replace("joints: all", "joints: all\n    cells: all")
     (folder / "mapping.yaml").write_text(mapping)

@@ -8,7 +8,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from shoecal_core.arrays import FloatArray
-from shoecal_core.samples.filters import evenly, low_passed, play, resampled, rise, slope
+from shoecal_core.samples.filters import (
+    evenly,
+    low_passed,
+    play,
+    resampled,
+    rise,
+    slope,
+    typical_period,
+)
 
 TIME = np.arange(0.0, 20.0, 0.02)
 
@@ -76,3 +84,15 @@ def test_a_lag_lasts_as_long_whatever_the_stamps() -> None:
     ramp = low_passed(time[:, None], time, 0.5)[:, 0]
     late = time - ramp
     np.testing.assert_allclose(late[time > 5.0], 0.5, atol=0.02)
+
+
+@pytest.mark.parametrize("size", [2, 4, 16])
+def test_the_period_of_samples_in_packets_is_their_mean(size: int) -> None:
+    at = np.arange(2000)
+    assert typical_period(0.01 * (at - at % size) + 2e-4 * (at % size)) == pytest.approx(0.01, 0.25)
+
+
+def test_gaps_do_not_change_the_period() -> None:
+    time: FloatArray = np.arange(3000) / 100.0
+    assert typical_period(time[(time < 1.0) | (time > 20.0)]) == pytest.approx(0.01)
+    assert typical_period(time[time % 1.0 < 0.3]) == pytest.approx(0.01)
