@@ -29,6 +29,9 @@ DIFFERS = 0.08
 runs; amplifiers' ranges differ by a factor of two and more, cells of one type by a quarter."""
 DIFFERS_STDS = 4.0
 """The same in standard deviations."""
+LARGEST = 10.0
+"""Ratio of gains of one channel: amplifiers' ranges are at most a factor of eight apart. What needs
+more, or another sign, is a foot that hung or was held, which gains of their own take up."""
 ALIKE, ALIKE_SHARE = 0.05, 0.15
 """Standard deviation of ratios' logarithms, and its part of their mean, up to which they are one
 change of all these channels: ratios are known to about 5 %, those of cells differ by their size."""
@@ -76,6 +79,8 @@ def changed_gains(
     if fits[best].cost > LEFT * common:
         return None
     ratio = _ratios(fits[best], len(information) // 2)
+    if any(not 1.0 / LARGEST < one < LARGEST for one in ratio.values()):
+        return None
     if not ratio or (2 * len(ratio) == len(information) and _alike(ratio)):
         return None
     return ChangedGains(best, tuple(run for run in numbers if run not in best), ratio)

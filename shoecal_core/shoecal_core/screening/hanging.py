@@ -21,7 +21,7 @@ from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.vertical import at_least_load, both_carry_load
 from shoecal_core.shoe.wrench import foot_wrenches
 
-HANGS_SHARE = 0.2
+HANGS_SHARE = 0.1
 """Of the weight: by gains and offsets that are roughly known, a foot that hangs carries less."""
 LEAST_S = 1.0
 """A robot that is lifted for a shorter time does not hang still."""

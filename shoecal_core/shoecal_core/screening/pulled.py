@@ -47,12 +47,21 @@ class Pull:
         force: where it is largest, positive downwards [N].
         stretches: when, since the run's start [s].
         undecided: there is only one other run to see it by.
+        sideways: it acts along the floor.
     """
 
     run: int
     force: float
     stretches: tuple[Stretch, ...]
     undecided: bool = False
+    sideways: bool = False
+
+    @property
+    def acted(self) -> str:
+        """What it did, in words."""
+        if self.sideways:
+            return "pushed the robot sideways"
+        return "pressed the robot down" if self.force > 0.0 else "held the robot up"
 
 
 @dataclass(frozen=True)
@@ -180,8 +189,7 @@ def describe_pulls(found: Sequence[Pull]) -> list[Finding]:
         Finding(
             "FAIL" if one.undecided else "WARN",
             f"run {one.run}: a force from outside of up to {abs(one.force):.1f} N "
-            f"{'pressed the robot down' if one.force > 0.0 else 'held the robot up'} "
-            f"({list_stretches(one.stretches)}), while it only leant"
+            f"{one.acted} ({list_stretches(one.stretches)}), while it only leant"
             f"{'' if one.undecided else ', left out'}: take off the rope or cable, do not "
             "touch the robot, and record the run again"
             f"{'' if one.undecided else ', or leave it out (--train)'}",

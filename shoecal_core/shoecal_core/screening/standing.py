@@ -33,7 +33,7 @@ from shoecal_core.screening.saturated import (
     within_range,
 )
 from shoecal_core.screening.settings import CalibrationSettings
-from shoecal_core.screening.sideways import describe_sideways, sideways_fault
+from shoecal_core.screening.sideways import describe_sideways, sideways_fault, sideways_pulls
 from shoecal_core.screening.spikes import find_jumps
 from shoecal_core.screening.turned_frames import describe_turned_frames, turned_frames
 from shoecal_core.screening.verdict import Finding
@@ -109,7 +109,10 @@ def screen_standing(
         found = found.adding(describe_sideways(sideways_fault(shoe, slow, weight)))
     if found.fails:
         return found
-    pulled = {one.run: one for one in pulls(rows, parts, watched, information, weight, settings)}
+    steady = {run: aligned[run] for run, lift in lifting.items() if lift is None}
+    pushed = sideways_pulls(shoe, steady, weight)
+    pushed += pulls(rows, parts, watched, information, weight, settings)
+    pulled = {one.run: one for one in pushed}
     sound = {run: one for run, one in rows.items() if run not in pulled}
     fit = solve(reweighed(sound, information), information)
     missing = {run: settings.force_std_n * one.off(fit.vector)[0] for run, one in rows.items()}

@@ -82,6 +82,13 @@ def test_another_weight_is_no_gain() -> None:
     assert found(reading(recording(count=5), (2, 3), np.full(8, 1.2))) is None
 
 
+def test_another_sign_is_no_gain() -> None:
+    """Gains of their own also take up runs in which a foot hung: no amplifier does that."""
+    times = np.ones(8)
+    times[2] = -1.0
+    assert found(reading(recording(count=5), (4, 5), times)) is None
+
+
 def test_a_tare_is_no_gain() -> None:
     whole = recording(count=5).with_readings(
         lambda run, values: values - values[0] if run > 2 else values

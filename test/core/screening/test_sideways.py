@@ -11,7 +11,13 @@ import pytest
 from core.screening.recordings import WEIGHT, Recording, recording
 from core.shoe.shoes import made, six_axis
 from shoecal_core.arrays import FloatArray
-from shoecal_core.screening.sideways import SidewaysFault, describe_sideways, sideways_fault
+from shoecal_core.screening.pulled import describe_pulls
+from shoecal_core.screening.sideways import (
+    SidewaysFault,
+    describe_sideways,
+    sideways_fault,
+    sideways_pulls,
+)
 
 SHOE = made([*six_axis(0, [0.0, 0.01, 0.03]), *six_axis(1, [0.0, -0.01, 0.03])])
 
@@ -102,3 +108,29 @@ def test_axes_at_each_others_place(foot: str) -> None:
     fault = found(changed(pressing(), lambda values: values[:, order]))
     assert fault is not None
     assert (f"{foot}/fx and fy exchanged",) in fault.ways
+
+
+@pytest.mark.parametrize("newtons", [4.0, -8.0])
+def test_a_hand_that_pushes_the_robot_is_named(newtons: float) -> None:
+    whole = pressing()
+    assert sideways_pulls(SHOE, whole.aligned, WEIGHT) == []
+    x = [SHOE.index(f"{foot}/fx") for foot in ("left", "right")]
+
+    def pushed(run: int, values: FloatArray) -> FloatArray:
+        if run == 2:
+            time = whole.aligned[run].time
+            values[:, x] += 0.5 * newtons * (np.abs(time - 10.0) < 3.0)[:, None]
+        return values
+
+    (pull,) = sideways_pulls(SHOE, whole.with_readings(pushed).aligned, WEIGHT)
+    assert (pull.run, pull.sideways) == (2, True)
+    assert pull.force == pytest.approx(abs(newtons), rel=0.1)
+    np.testing.assert_allclose(pull.stretches, [(7.0, 13.0)], atol=0.5)
+    (finding,) = describe_pulls([pull])
+    assert "N pushed the robot sideways (at " in finding.reason
+
+
+def test_forces_that_cancel_badly_in_every_run_are_no_hand() -> None:
+    """An axis that shows half of its force does that in all runs."""
+    weak = changed(pressing(8.0), lambda values: values * np.where(np.arange(10) == 0, 0.5, 1.0))
+    assert sideways_pulls(SHOE, weak.aligned, WEIGHT) == []
