@@ -27,7 +27,9 @@ LARGEST_M = 0.5
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare its arguments."""
-    parser.add_argument("kind", choices=("robot",), help="what to draft")
+    parser.add_argument(
+        "kind", type=_kind, choices=("robot",), metavar="robot", help="what to draft"
+    )
     parser.add_argument(
         "urdf", type=Path, metavar="URDF_OR_MJCF",
         help="the robot's URDF, or its MJCF, of which a URDF is made; it is left as it is",
@@ -61,6 +63,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="folder of the URDF's meshes (default: where the URDF says, else near it)",
     )  # fmt: skip
     parser.add_argument("--force", action="store_true", help="replace files that are there")
+
+
+def _kind(text: str) -> str:
+    """What to draft; a file there is the description, and the kind was left out."""
+    if text != "robot":
+        raise argparse.ArgumentTypeError(f"'{text}': write 'shoecal new robot {text}'")
+    return text
 
 
 def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
