@@ -21,6 +21,7 @@ class Fault(Enum):
     SWAPPED = "swapped"
     MOVED_ZEROS = "moved_zeros"
     CHANGED_GAINS = "changed_gains"
+    LEAKING = "leaking"
     WRONG_WEIGHT = "wrong_weight"
     PULLED = "pulled"
     SPIKE = "spike"

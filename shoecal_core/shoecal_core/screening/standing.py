@@ -19,6 +19,7 @@ from shoecal_core.screening.closure import FootMotion, Slipped, describe_slips, 
 from shoecal_core.screening.disturbed import disturbed
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.hanging import both_hang, without
+from shoecal_core.screening.leaking import describe_leaking, leaking
 from shoecal_core.screening.noise import noise
 from shoecal_core.screening.pulled import Pull, describe_pulls, describe_wavering, pulls, wavering
 from shoecal_core.screening.quasi_static import too_fast
@@ -176,8 +177,10 @@ def _zeros_or_cables(
     if changed is not None:
         return describe_changed_gains(shoe, changed)
     wiring = describe_wiring(shoe, check_wiring(shoe, parts, information, weight, settings))
-    return wiring or describe_turned_frames(
-        turned_frames(shoe, parts, information, weight, settings)
+    return (
+        wiring
+        or describe_leaking(shoe, leaking(shoe, parts, information, weight, settings))
+        or describe_turned_frames(turned_frames(shoe, parts, information, weight, settings))
     )
 
 

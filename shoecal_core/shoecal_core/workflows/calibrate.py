@@ -46,6 +46,7 @@ from shoecal_core.estimation.joint_fit import JointFit
 from shoecal_core.estimation.known import Since, require_prior_counts
 from shoecal_core.estimation.known_shoe import known_shoe
 from shoecal_core.estimation.lagging import check_lags, lags
+from shoecal_core.estimation.leg_lengths import describe_lengths, other_lengths
 from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.estimation.residuals import ResidualWeights
 from shoecal_core.estimation.series import Errors, Series, errors, measured_series, modelled_series
@@ -367,11 +368,17 @@ def _check_sheets(
     gain_std = np.sqrt(np.diag(assessment.covariance)[: len(data.shoe.names)])
     deviations = () if fit.joint is None else fit.joint.deviations
     soles = check_soles(data.shoe, deviations)
-    found = soles or check_robot(deviations)
+    found = soles or _check_lengths(data) or check_robot(deviations)
     # Soles that are off bend the gains, too: only weighing in the air does not mind them.
     if not soles or data.weighed is not None:
         found += check_weight(data.shoe, gains, gain_std, data.weighed, data.robot)
     return found + check_data_sheets(data.shoe, gains, gain_std)
+
+
+def _check_lengths(data: SessionData) -> list[Finding]:
+    """Links of the legs; an error of theirs looks like one of zeros or CoMs to the fit."""
+    standing = {run: one for run, one in data.screening.standing.items() if run in data.aligned}
+    return describe_lengths(other_lengths(data.kinematics, data.aligned, standing))
 
 
 def _verdict(
