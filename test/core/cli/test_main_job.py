@@ -155,6 +155,7 @@ def test_a_missing_session_is_one_line(shoecal: Run, tmp_path: Path) -> None:
         (["calibrate", "session", "--out", "c.yaml", "--train", ""], "run numbers separated"),
         (["simulate", "r", "s", "--out", "o", "--rate", "0"], "1 to 10000 Hz"),
         (["calibrat"], "invalid choice"),
+        (["new", "wren.urdf"], "'wren.urdf': write 'shoecal new robot wren.urdf'"),
     ],
 )
 def test_wrong_usage_is_one_line(

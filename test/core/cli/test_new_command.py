@@ -94,9 +94,3 @@ def test_a_robot_in_mjcf_is_drafted_as_from_its_urdf(shoecal: Run, tmp_path: Pat
     code, _, error = shoecal("plan", out, "--out", tmp_path / "plan")
     assert code == 1
     assert "is an MJCF; make a URDF and a robot file of it with `shoecal new robot`" in error
-
-
-def test_a_description_in_the_place_of_the_kind_gets_the_whole_command(shoecal: Run) -> None:
-    code, _, error = shoecal("new", "wren.urdf")
-    assert code == 2
-    assert "'wren.urdf': write 'shoecal new robot wren.urdf'" in error
