@@ -367,8 +367,11 @@ def _check_sheets(
         return conflict
     gain_std = np.sqrt(np.diag(assessment.covariance)[: len(data.shoe.names)])
     deviations = () if fit.joint is None else fit.joint.deviations
-    soles = check_soles(data.shoe, deviations)
-    found = soles or _check_lengths(data) or check_robot(deviations)
+    soles, robot = check_soles(data.shoe, deviations), check_robot(deviations)
+    # A likelier cause stands for what the fit made of it, unless that is too far off to be applied.
+    found = soles or _check_lengths(data) or robot
+    if robot != found and any(one.verdict == "FAIL" for one in robot):
+        found = found + robot
     # Soles that are off bend the gains, too: only weighing in the air does not mind them.
     if not soles or data.weighed is not None:
         found += check_weight(data.shoe, gains, gain_std, data.weighed, data.robot)

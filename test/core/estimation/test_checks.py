@@ -259,6 +259,10 @@ def test_what_the_fit_takes_the_robot_for() -> None:
         "is off by 28 mrad (7 tolerances): correct CoMs in the URDF, or the soles' place"
     )
     assert finding.reason.endswith(" and the zeros of the joints, then calibrate again")
+    farthest = fitted("link_com", "base_link", "x", 0.055, 0.003)
+    (finding,) = check_robot([*near, *far, farthest])
+    assert finding.verdict == "FAIL"
+    assert "the CoM of base_link x is off by 55 mm (18 tolerances)" in finding.reason
     joints = ("LHipRoll", "LKneePitch", "RHipRoll", "RKneePitch")
     many = [fitted("joint_offset", joint, "angle", 0.028, 0.004) for joint in joints]
     assert "a link of the legs" not in check_robot(many[:3])[0].reason
