@@ -18,6 +18,7 @@ import pinocchio as pin
 from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot import Robot, first_link
+from shoecal_core.robot.urdf import ROOT_JOINTS
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.screening.verdict import Finding
 
@@ -188,7 +189,7 @@ def _zeros(robot: Robot) -> Iterator[FloatArray]:
     left, right = _legs(robot)
     if len(left) == len(right):
         for (one, other), sign in product(zip(left, right, strict=True), (1.0, -1.0)):
-            yield np.eye(count)[one - 2] + sign * np.eye(count)[other - 2]
+            yield np.eye(count)[one - ROOT_JOINTS] + sign * np.eye(count)[other - ROOT_JOINTS]
 
 
 def describe_lengths(found: Sequence[OtherLength]) -> list[Finding]:

@@ -102,9 +102,7 @@ def screen_standing(
         )
     if several:
         height = float(np.median([np.median(one.states.com[:, 0, 2]) for one in aligned.values()]))
-        found = found.adding(
-            _zeros_or_cables(shoe, rows, parts, information, weight, height, settings)
-        )
+        found = found.adding(_electrical(shoe, rows, parts, information, weight, height, settings))
     slow = {run: aligned[run] for run, lift in lifting.items() if lift is None and run not in fast}
     if not found.fails:
         found = found.adding(describe_sideways(sideways_fault(shoe, slow, weight)))
@@ -149,7 +147,7 @@ def screen_standing(
     return found
 
 
-def _zeros_or_cables(
+def _electrical(
     shoe: Shoe,
     rows: Mapping[int, Equations],
     parts: Mapping[int, Blocks],
@@ -158,7 +156,9 @@ def _zeros_or_cables(
     height: float,
     settings: CalibrationSettings,
 ) -> list[Finding]:
-    """Zeros that moved, else cables: zeros look like exchanged cables and like cells that stop.
+    """The first fault of zeros, gains, cables and converter that is found.
+
+    Their order is a decision: each of them looks like some of those that come after it.
 
     Args:
         rows, parts: equations and blocks of each run.
