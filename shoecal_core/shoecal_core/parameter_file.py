@@ -7,18 +7,22 @@ parts, as in `/**/planner`. Its first slash may be left out, and namespaces may 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
+from difflib import SequenceMatcher
 from pathlib import Path
 from typing import TypeVar
 
 from shoecal_core.errors import FieldError
 from shoecal_core.file_kinds import NODES, kind_of
 from shoecal_core.files import Fields, read_yaml
-from shoecal_core.settings import SettingError, Settings, from_values
+from shoecal_core.settings import SettingError, Settings, describe, from_values
 
 S = TypeVar("S", bound=Settings)
 PARAMETERS = "ros__parameters"
+SLIP = 0.85
+"""Likeness of two words from which one is a slip of the other: that of names of real sections is
+0.6 at most."""
 _WILD = {"*": r"/[^/]+", "**": r"(/[^/]+)*"}
 
 
@@ -104,15 +108,33 @@ def load_settings(cls: type[S], path: Path, node_name: str, section: str) -> S:
     """
     values: dict[str, object] = {}
     for block in sections_of(path, node_name):
-        if section not in block.fields:
-            continue
-        entries = block.fields.mapping(section)
-        try:
-            values |= {key: entries.value(key) for key in entries.keys()}
-            from_values(cls, values)
-        except SettingError as error:
-            raise entries.error(error.key, error.problem) from error
+        _check_keys(block.fields, section, [entry.name for entry in describe(cls)])
+        dotted = f"{section}."
+        own = [(block.fields, key) for key in block.fields.keys() if key.startswith(dotted)]
+        if section in block.fields:
+            entries = block.fields.mapping(section)
+            own += [(entries, key) for key in entries.keys()]
+        for fields, key in own:
+            values[key.removeprefix(dotted)] = fields.value(key)
+            try:
+                from_values(cls, values)
+            except SettingError as error:
+                raise fields.error(key, error.problem) from error
     return from_values(cls, values)
+
+
+def _check_keys(fields: Fields, section: str, names: Collection[str]) -> None:
+    """Refuse what would be passed over in silence: settings outside their section, and slips."""
+    for key in fields.keys():
+        if key in names:
+            raise fields.error(key, f"stands outside '{section}'; write '{section}.{key}'")
+        if key != section and _alike(key.partition(".")[0], section):
+            raise fields.error(key, f"is no section; did you mean '{section}'?")
+
+
+def _alike(one: str, other: str) -> bool:
+    """Words that differ by a slip."""
+    return one != other and SequenceMatcher(a=one, b=other).ratio() >= SLIP
 
 
 def _is_for(section: ParameterSection, node: str) -> bool:
@@ -124,6 +146,9 @@ def _is_for(section: ParameterSection, node: str) -> bool:
 def _sections(fields: Fields, key: str, path: str) -> Iterator[ParameterSection]:
     block = fields.mapping(key)
     inner = block.keys()
+    for name in inner:
+        if _alike(name, PARAMETERS):
+            raise block.error(name, f"write '{PARAMETERS}', with two underscores")
     if PARAMETERS in inner or not inner:
         block.only(PARAMETERS)
         yield ParameterSection(path, block.mapping(PARAMETERS))

@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 
 from shoecal_core.errors import FileError
-from shoecal_core.parameter_file import read_sections, sections_of
+from shoecal_core.parameter_file import load_settings, read_sections, sections_of
+from shoecal_core.screening.settings import CalibrationSettings
 
 TEXT = """
 /**:
@@ -45,6 +46,30 @@ def written(folder: Path, text: str) -> Path:
 )
 def test_sections_reach_nodes_as_ros_has_it(tmp_path: Path, node: str, keys: list[str]) -> None:
     assert [one.key for one in sections_of(written(tmp_path, TEXT), node)] == keys
+
+
+def test_settings_by_section_and_by_full_name(tmp_path: Path) -> None:
+    for text in ("calibration: {cop_std_m: 0.01}", "calibration.cop_std_m: 0.01"):
+        path = written(tmp_path, f"/**/calibrator: {{ros__parameters: {{{text}}}}}")
+        found = load_settings(CalibrationSettings, path, "calibrator", "calibration")
+        assert found.cop_std_m == 0.01
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("ros__parameters: {cop_std_m: 0.01}", "cop_std_m: stands outside 'calibration'"),
+        ("ros__parameters: {calibraton: {gain_std: 1}}", "did you mean 'calibration'"),
+        ("ros__parameters: {calibraton.gain_std: 1.0}", "did you mean 'calibration'"),
+        ("ros__parameters: {calibration.gain_sdt: 1.0}", "calibration.gain_sdt: unknown key"),
+        ("ros_parameters: {gain_std: 1}", "ros_parameters: write 'ros__parameters'"),
+    ],
+)
+def test_settings_that_would_be_passed_over(tmp_path: Path, text: str, words: str) -> None:
+    path = written(tmp_path, f"/**/calibrator: {{{text}}}")
+    with pytest.raises(FileError) as caught:
+        load_settings(CalibrationSettings, path, "calibrator", "calibration")
+    assert words in str(caught.value)
 
 
 def test_names_of_parameters_are_full(tmp_path: Path) -> None:

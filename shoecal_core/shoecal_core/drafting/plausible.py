@@ -143,10 +143,11 @@ def doubts(body: Body, legs: LegChains) -> Iterator[str]:
     if wide:
         yield f"the inertia of {_named(wide)} is that of a larger body, in kg mm^2 perhaps"
     for left, right in zip(*legs.chains, strict=True):
-        low, high = sorted((model.inertias[left].mass, model.inertias[right].mass))
-        if high > UNLIKE * low and high - low > NOTABLE * total:
+        masses = [float(model.inertias[joint].mass) for joint in (left, right)]
+        if max(masses) > UNLIKE * min(masses) and np.ptp(masses) > NOTABLE * total:
             names = " and ".join(body.link(joint)[0] for joint in (left, right))
-            yield f"{names} are {low:.3g} and {high:.3g} kg, though the legs are alike"
+            both = " and ".join(f"{mass:.3g}" for mass in masses)
+            yield f"{names} are {both} kg, though the legs are alike"
 
 
 def crossed_limits(body: Body, legs: LegChains) -> list[tuple[int, int]]:

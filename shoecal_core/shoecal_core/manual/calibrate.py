@@ -199,7 +199,8 @@ def calibrate_shoe(
             place, kept = _cop(found, fit_correction(loads, found))
             corrections += kept
         feet.append(FootResult(found, moved, grf, place))
-        findings += check_foot(foot, grf, None if place is None else place.after, moved)
+        before, after = (None, None) if place is None else (place.before, place.after)
+        findings += check_foot(foot, grf, before, after, moved)
         if planned is not None:
             findings += check_plan(foot, len(found.loads), planned)
     calibration = _calibration(

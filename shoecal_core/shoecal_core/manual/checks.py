@@ -16,6 +16,9 @@ from shoecal_core.shoe.shoe import FEET, Shoe
 GRF_LIMITS = (0.15, 0.5)
 COP_LIMITS = (2e-3, 5e-3)
 """N and m; MAE under known weights above which there is a warning, and no use."""
+BEFORE_LIMIT = 0.015
+"""m; MAE of an assembled shoe's CoP before it is corrected. Sound shoes come to 4 mm, holes that
+were counted from the other side to 34 mm; the correction leaves 0.7 mm of these, in the holes."""
 LINE_LIMIT = 0.01
 """Scatter of a cell about its line, over its largest load."""
 SHIFT_LIMIT = 5.0
@@ -58,13 +61,16 @@ def check_lines(fits: Sequence[CellFit]) -> list[Finding]:
     ]
 
 
-def check_foot(foot: int, grf: Mae, cop: Mae | None, shift: FloatArray) -> list[Finding]:
+def check_foot(
+    foot: int, grf: Mae, before: Mae | None, cop: Mae | None, shift: FloatArray
+) -> list[Finding]:
     """Errors of one shoe under its weights.
 
     Args:
         foot: index into FEET.
         grf: error of the force [N].
-        cop: error of the CoP [m]; None where the channels give a force alone.
+        before, cop: error of the CoP without and with its correction [m]; None where the channels
+            give a force alone.
         shift: (k,) what assembling added to the offsets [N].
     """
     findings = []
@@ -87,6 +93,15 @@ def check_foot(foot: int, grf: Mae, cop: Mae | None, shift: FloatArray) -> list[
                     )
                 )
                 break
+    if before is not None and before.mean > BEFORE_LIMIT:
+        findings.append(
+            Finding(
+                "FAIL",
+                f"CoP of the {side} shoe is {before.mean * 1e3:.0f} mm off before its correction "
+                f"(limit {BEFORE_LIMIT * 1e3:.0f} mm): check that its holes were counted from the "
+                "right side, and where the shoe file says that holes and cells are",
+            )
+        )
     if np.abs(shift).max() > SHIFT_LIMIT:
         findings.append(
             Finding(

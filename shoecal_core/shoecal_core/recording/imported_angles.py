@@ -95,8 +95,8 @@ def no_angles(source: Path, joint: str, robot: Path, where: str = "") -> Recordi
     """The error to raise for a joint of which a recording holds no angle."""
     return RecordingError(
         source,
-        f"holds no angle of joint '{joint}'; record it, or list it under 'optional_joints' of "
-        f"{robot.name} if it stands still",
+        f"holds no angle of joint '{joint}'; record it, or, if it stands still and is none of the "
+        f"legs, list it under 'optional_joints' of {robot.name}",
         field=where,
     )
 

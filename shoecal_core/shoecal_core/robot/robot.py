@@ -35,7 +35,8 @@ class JointsMissingError(ShoecalError):
         listed = ", ".join(sorted(given)) or "none"
         super().__init__(
             f"robot '{robot}' needs joint(s) {', '.join(missing)}, but only these were given: "
-            f"{listed}; check the robot file's joint names or list them under 'optional_joints'"
+            f"{listed}; record them, or check the robot file's joint names; joints outside the "
+            "legs that stand still may be listed under 'optional_joints'"
         )
 
 

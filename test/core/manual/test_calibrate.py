@@ -186,6 +186,30 @@ def test_a_cell_wired_the_other_way() -> None:
     assert "left/rear_left has the other sign" in reasons
 
 
+def test_holes_counted_from_the_other_side() -> None:
+    """A correction takes nearly all of it up, in the holes that were read."""
+    shoe, law = nao_shoe(), some_law(nao_shoe())
+    loads = read_shoe(shoe, law)
+    other = str.maketrans("13", "31")
+    mirrored = [
+        dataclasses.replace(
+            one, load=dataclasses.replace(one.load, place=one.load.place.translate(other))
+        )
+        if one.load.foot == 1
+        else one
+        for one in loads.entries
+    ]
+    first = calibrate_cells(shoe, nao(), read_cells(shoe, law))
+    found = calibrate_shoe(
+        shoe, nao(), first.calibration, dataclasses.replace(loads, entries=tuple(mirrored))
+    )
+    assert found.calibration.verdict == "FAIL"
+    assert any(
+        "CoP of the right shoe" in reason and "holes were counted from the right side" in reason
+        for reason in found.calibration.reasons
+    )
+
+
 def test_a_cell_unlike_the_others() -> None:
     law = some_law(nao_shoe())
     weak = ChannelParameters(law.gain * np.array([1, 1, 1, 8, 1, 1, 1, 1]), law.offset)

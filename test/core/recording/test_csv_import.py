@@ -323,7 +323,7 @@ def test_joint_angles_that_are_not_there(folder: Path) -> None:
     )
     other = folder.rename(folder.with_name("again"))
     mapping = other / "mapping.yaml"
-    expected = "column 'LKneePitch': holds no angle of joint 'LKneePitch'; record it, or list it"
+    expected = "column 'LKneePitch': holds no angle of joint 'LKneePitch'; record it, or, if it"
     with pytest.raises(FileError, match=expected):
         import_csv(mapping, other, other / "out")
     (other / "robot.yaml").write_text(f"{samples.ROBOT_YAML}optional_joints: [LKneePitch]\n")
