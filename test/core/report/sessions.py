@@ -24,12 +24,16 @@ SPREADS = (0.06, 0.12)
 
 
 def swaying_session(folder: Path) -> Session:
-    """The NAO sways over legs that it spreads further from run to run; the last one tests."""
+    """The NAO sways over legs that it spreads further from run to run; the last one tests.
+
+    It is the first one from its end to its beginning: without noise, the same once more would be
+    the same recording.
+    """
     robot, shoe = robots.load("nao"), shoes.shoe("nao_shoe")
     parameters = synthetic.truth(shoe, np.random.default_rng(3))
     session = Session.create(folder, robot.path, robot.urdf, shoe.path)
     for number, spread in enumerate((*SPREADS, SPREADS[0]), start=1):
-        angles = joint_angles(spread)
+        angles = joint_angles(spread)[:: -1 if number > len(SPREADS) else 1]
         states = robots.kinematics("nao").states(angles)
         forces = cell_forces(shoe, states, robot.weight)
         readings = (forces - parameters.offset) / parameters.gain

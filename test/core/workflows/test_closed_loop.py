@@ -34,7 +34,7 @@ ANGLE = 0.03
 EFFECT = f"effects: [{{effect: joint_offset, location: [LAnklePitch], angle_rad: {ANGLE}}}]\n"
 TRAIN, TEST, UNUSED = (1, 2, 3, 4, 5, 6), 7, 8
 MOTIONS = (
-    "landmarks", "reversed", "torso_height", "unload_left", "unload_right", "landmarks",
+    "landmarks", "reversed", "torso_height", "unload_left", "unload_right", "faster_reversed",
     "reversed", "faster",
 )  # fmt: skip
 """The last is in no other run."""
