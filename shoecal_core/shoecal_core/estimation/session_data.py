@@ -31,7 +31,7 @@ from shoecal_core.samples.stance import Stance
 from shoecal_core.samples.zeros import Zero
 from shoecal_core.screening.angle_steps import coarse_step
 from shoecal_core.screening.carrying import MovingFoot, moving_feet
-from shoecal_core.screening.clocks import clock_rate, time_offset
+from shoecal_core.screening.clocks import clock_rate, cop_tracks, time_offset
 from shoecal_core.screening.extract import stances_of, zeros_of
 from shoecal_core.screening.result import Screening
 from shoecal_core.screening.screen import screen
@@ -193,11 +193,12 @@ def load_data(
         standing = {
             number: recorded[number] for number, run in read.items() if run.info.support is not None
         }
-        late = time_offset(standing, shoe, robot.weight, settings)
+        tracks = cop_tracks(standing, shoe, robot.weight, settings)
+        late = time_offset(tracks)
         starts = {number: run.start_ns / 1e9 for number, run in read.items()}
-        smoothed = smoothed_by(standing, shoe, robot.weight, settings)
+        smoothed = smoothed_by(tracks)
         # What a filter leaves of the CoP drifts against the model as a clock's does.
-        rate = 0.0 if smoothed else clock_rate(starts, standing, shoe, robot.weight, settings)
+        rate = 0.0 if smoothed else clock_rate(starts, tracks)
         if late != 0.0:
             aligned = {}
             for number, run in read.items():

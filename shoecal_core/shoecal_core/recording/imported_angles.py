@@ -64,11 +64,12 @@ def check_angles(head: MappingHead, runs: Sequence[ImportedRun]) -> list[Importe
         for joint, series in angles.items():
             if not len(series.time) and joint not in optional:
                 raise no_angles(one.source, joint, head.robot)
-        _check_packets(one, angles)
+        readings = _readings(one)
+        _check_packets(one.source, angles, readings)
         angles, jumping = without_zeros(angles)
         notes = _beyond_limits(one.source, angles, limits)
         if shoe is not None and kinematics is not None and stands:
-            given, feet = one.trial.support, _feet(one, kinematics, shoe, angles)
+            given, feet = one.trial.support, _feet(one, kinematics, shoe, angles, readings)
             wrong = "" if feet is None else feet.wrong(stand=given is not None)
             if wrong:
                 notes.append(wrong)
@@ -163,29 +164,31 @@ def _readings(run: ImportedRun) -> Series:
     return from_pieces(pieces)
 
 
-def _feet(run: ImportedRun, kinematics: Kinematics, shoe: Shoe, angles: Series) -> Feet | None:
+def _feet(
+    run: ImportedRun, kinematics: Kinematics, shoe: Shoe, angles: Series, readings: Series
+) -> Feet | None:
     """How they stand; None where joints are missing and the trial has no support.
 
     Raises:
         RecordingError: the trial has a support, and joints are missing.
     """
     try:
-        return find_feet(kinematics, shoe, angles, _readings(run))
+        return find_feet(kinematics, shoe, angles, readings)
     except JointsMissingError as error:
         if run.trial.support is None:
             return None
         raise RecordingError(run.source, str(error)) from error
 
 
-def _check_packets(run: ImportedRun, angles: Series) -> None:
+def _check_packets(source: Path, angles: Series, readings: Series) -> None:
     """Refuse angles or readings whose stamps are those of their receipt in packets."""
     for what, series, bearable in (
         ("joint angles", angles, ANGLES_S),
-        ("readings", _readings(run), READINGS_S),
+        ("readings", readings, READINGS_S),
     ):
         for name, one in series.items():
             if (packets := find_packets(one.time, bearable)) is not None:
-                raise RecordingError(run.source, packets.describe(what), field=name)
+                raise RecordingError(source, packets.describe(what), field=name)
 
 
 def _compare(

@@ -79,41 +79,27 @@ class CopTrack:
     modelled: FloatArray
 
 
-def time_offset(
-    aligned: Mapping[int, Aligned], shoe: Shoe, weight: float, settings: CalibrationSettings
-) -> float:
+def time_offset(tracks: Mapping[int, CopTrack]) -> float:
     """Joints are late by so much [s]; 0 where it is little or the runs do not agree about it.
 
     Args:
-        aligned: runs in double support.
-        weight: of robot and shoes [N].
+        tracks: of each run, see `cop_tracks`.
     """
-    if len(aligned) < 2:
-        return 0.0
-    tracks = list(cop_tracks(aligned, shoe, weight, settings).values())
     if len(tracks) < 2:
         return 0.0
-    late = _late(tracks)
-    each = np.array([_late([track], late) for track in tracks])
+    late = late_of(list(tracks.values()))
+    each = np.array([late_of([track], late) for track in tracks.values()])
     unsure = float(each.std(ddof=1) / np.sqrt(len(each)))
     return late if abs(late) > max(CORRECTED_S, SURE_STDS * unsure) else 0.0
 
 
-def clock_rate(
-    starts: Mapping[int, float],
-    aligned: Mapping[int, Aligned],
-    shoe: Shoe,
-    weight: float,
-    settings: CalibrationSettings,
-) -> float:
+def clock_rate(starts: Mapping[int, float], tracks: Mapping[int, CopTrack]) -> float:
     """Share by which the readings' clock runs faster than the joints'; 0 where both run alike.
 
     Args:
         starts: of the runs, by one clock [s].
-        aligned: runs in double support, by the stamps as they are.
-        weight: of robot and shoes [N].
+        tracks: of each run by the stamps as they are, see `cop_tracks`.
     """
-    tracks = cop_tracks(aligned, shoe, weight, settings) if aligned else {}
     within = _within(list(tracks.values()))
     between = _between(starts, tracks)
     slope, std = within
@@ -144,7 +130,7 @@ def _between(starts: Mapping[int, float], tracks: Mapping[int, CopTrack]) -> tup
     """The same from run to run, by the median over all pairs of runs."""
     if len(tracks) < LEAST_RUNS:
         return UNKNOWN
-    late = np.array([_late([track]) for track in tracks.values()])
+    late = np.array([late_of([track]) for track in tracks.values()])
     at = np.array([starts[run] + float(track.time.mean()) for run, track in tracks.items()])
     at -= at.mean()
     if np.ptp(at) < LEAST_APART_S or np.abs(late).max() >= LARGEST_S:
@@ -163,7 +149,7 @@ def _drift(track: CopTrack) -> tuple[float, float, float] | None:
     span = float(np.ptp(track.time))
     if span < 2.0 * SLOPES * CHANGES_S[0]:
         return None
-    late, slope = _late([track]), 0.0
+    late, slope = late_of([track]), 0.0
     for change in CHANGES_S:
         rows, off, since = _equations(track, late, change, slope)
         size = np.maximum(np.abs(rows).max(axis=0), 1e-30)
@@ -253,6 +239,8 @@ def cop_tracks(
         aligned: runs in double support.
         weight: of robot and shoes [N].
     """
+    if not aligned:
+        return {}
     parts = {run: blocks(one, shoe) for run, one in aligned.items()}
     parameters = fit_roughly(shoe, parts, weight, settings).parameters
     tracks = {}
@@ -266,20 +254,18 @@ def cop_tracks(
     return tracks
 
 
-def late_of(track: CopTrack) -> float:
-    """Joints of one run are late by so much [s]."""
-    return _late([track])
+def late_of(tracks: Sequence[CopTrack], start: float | None = None) -> float:
+    """Joints of these runs are late by so much [s].
 
-
-def _late(tracks: list[CopTrack], start: float | None = None) -> float:
-    """The offset; from where it is known already, only the shortest changes are looked at."""
+    From where that is known already, only the shortest changes are looked at.
+    """
     late = 0.0 if start is None else start
     for change in CHANGES_S if start is None else CHANGES_S[-2:]:
         late = float(np.clip(late + _step(tracks, late, change), -LARGEST_S, LARGEST_S))
     return late
 
 
-def _step(tracks: list[CopTrack], late: float, change: float) -> float:
+def _step(tracks: Sequence[CopTrack], late: float, change: float) -> float:
     """By how much the offset is still wrong."""
     off, rate = (
         np.concatenate(parts)

@@ -133,6 +133,13 @@ def pulls(
     return found
 
 
+def what_lasts(force: FloatArray, period: float) -> FloatArray:
+    """(B, k) forces without what is over soon, of blocks so far apart [s]."""
+    size = 2 * max(1, round(LASTS_S / 4.0 / period)) + 1
+    left: FloatArray = median_filter(force, (size, 1), mode="nearest")
+    return left
+
+
 def _misfit(one: Equations, information: FloatArray) -> float:
     """RMS of what the run's own gains and offsets leave of its vertical force [stds]."""
     return float(np.sqrt((_off(one, information) ** 2).mean()))
@@ -155,8 +162,7 @@ def _pull(
     others = {number: one for number, one in runs.items() if number != run}
     fit = solve(reweighed(others, information), information)
     one, std = runs[run], settings.force_std_n
-    size = 2 * max(1, round(LASTS_S / 4.0 / part.period)) + 1
-    force = median_filter(std * one.off(fit.vector)[0], size, mode="nearest")
+    force = what_lasts(std * one.off(fit.vector)[0][:, None], part.period)[:, 0]
     rows = std * one.matrix[0]
     left_open = np.sqrt(np.einsum("bi,ij,bj->b", rows, fit.covariance, rows))
     limit = max(OFF_STDS * std, LEAST_SHARE * weight) + OPEN_STDS * left_open

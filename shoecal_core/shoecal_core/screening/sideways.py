@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-from scipy.ndimage import median_filter
 
 from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.robot import GRAVITY
@@ -20,7 +19,7 @@ from shoecal_core.samples.filters import typical_period
 from shoecal_core.samples.stretches import lasting, stretches
 from shoecal_core.screening.blocks import block_size, in_blocks
 from shoecal_core.screening.faults import Fault
-from shoecal_core.screening.pulled import JOIN_S, LASTS_S, Pull
+from shoecal_core.screening.pulled import JOIN_S, LASTS_S, Pull, what_lasts
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import FEET, Shoe
 
@@ -59,7 +58,7 @@ def sideways_fault(
         aligned: slow runs with both feet on the floor, by number.
         weight: of robot and shoes [N].
     """
-    pairs = [one for _, one in sorted(_pairs(shoe, aligned).items())]
+    pairs = list(_pairs(shoe, aligned).values())
     if not pairs:
         return None
     force, turn, com = (
@@ -127,8 +126,7 @@ class _Pair:
         """(B, 2) of both feet, without what is over soon and what stays [N]."""
         both = self.force[:, 0] + np.einsum("bij,bj->bi", self.turn, self.force[:, 1])
         period = float(np.median(np.diff(self.time))) if len(self.time) > 1 else LASTS_S
-        size = 2 * max(1, round(LASTS_S / 4.0 / period)) + 1
-        calm: FloatArray = median_filter(both, (size, 1), mode="nearest")
+        calm = what_lasts(both, period)
         return calm - np.median(calm, axis=0)
 
 

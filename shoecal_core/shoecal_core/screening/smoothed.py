@@ -13,13 +13,10 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from shoecal_core.arrays import FloatArray
-from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.filters import resampled, typical_period
-from shoecal_core.screening.clocks import CopTrack, cop_tracks, late_of
+from shoecal_core.screening.clocks import CopTrack, late_of
 from shoecal_core.screening.faults import Fault
-from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.screening.verdict import Finding
-from shoecal_core.shoe.shoe import Shoe
 
 WIDTHS_S = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 1.0, 1.2, 1.5, 2.0)
 """Standard deviations of the filters that are tried. A mean over a second has 0.29."""
@@ -36,16 +33,12 @@ LEFT = 0.5
 smoothed by 0.6 s and more: 0.04 to 0.27; sound ones, simulated and real: 1.0."""
 
 
-def smoothed_by(
-    aligned: Mapping[int, Aligned], shoe: Shoe, weight: float, settings: CalibrationSettings
-) -> float:
+def smoothed_by(tracks: Mapping[int, CopTrack]) -> float:
     """Standard deviation of the filter that the readings went through [s]; 0 where it is narrow.
 
     Args:
-        aligned: runs in double support.
-        weight: of robot and shoes [N].
+        tracks: of each run, see `cop_tracks`.
     """
-    tracks = cop_tracks(aligned, shoe, weight, settings) if aligned else {}
     widths = [_width(track) for track in tracks.values()]
     width = float(np.median(widths)) if widths else 0.0
     return width if width >= HARMLESS_S else 0.0
@@ -53,7 +46,7 @@ def smoothed_by(
 
 def _width(track: CopTrack) -> float:
     """Of one run; 0 where none explains it."""
-    late = late_of(track)
+    late = late_of([track])
     both, time = resampled(np.hstack((track.measured, track.modelled)), track.time)
     period = typical_period(time)
     modelled = np.stack([np.interp(time + late, time, axis) for axis in both[:, 2:].T], axis=1)

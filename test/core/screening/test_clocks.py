@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from core.screening.recordings import SETTINGS, WEIGHT, Recording, recording
 from shoecal_core.arrays import FloatArray
-from shoecal_core.screening.clocks import LARGEST_S, clock_rate, time_offset
+from shoecal_core.screening.clocks import LARGEST_S, CopTrack, clock_rate, cop_tracks, time_offset
 
 
 def late(whole: Recording, by: float) -> Recording:
@@ -22,8 +22,12 @@ def late(whole: Recording, by: float) -> Recording:
     return whole.with_readings(ahead)
 
 
+def tracks(whole: Recording) -> dict[int, CopTrack]:
+    return cop_tracks(whole.aligned, whole.shoe, WEIGHT, SETTINGS)
+
+
 def found(whole: Recording) -> float:
-    return time_offset(whole.aligned, whole.shoe, WEIGHT, SETTINGS)
+    return time_offset(tracks(whole))
 
 
 @pytest.mark.parametrize("by", [-0.8, -0.15, -0.06, 0.03, 0.12, 0.5])
@@ -45,7 +49,7 @@ def test_runs_that_do_not_agree_tell_nothing() -> None:
 
 def test_one_run_tells_nothing() -> None:
     whole = late(recording(), 0.1)
-    assert time_offset({1: whole.aligned[1]}, whole.shoe, WEIGHT, SETTINGS) == 0.0
+    assert time_offset(cop_tracks({1: whole.aligned[1]}, whole.shoe, WEIGHT, SETTINGS)) == 0.0
 
 
 def test_no_more_than_the_largest_is_looked_for() -> None:
@@ -78,7 +82,7 @@ def starts(whole: Recording) -> dict[int, float]:
 
 
 def rate_of(whole: Recording) -> float:
-    return clock_rate(starts(whole), whole.aligned, whole.shoe, WEIGHT, SETTINGS)
+    return clock_rate(starts(whole), tracks(whole))
 
 
 RATES = st.floats(0.003, 0.012)
@@ -131,4 +135,4 @@ def test_readings_that_come_late_from_some_time_on_are_no_rate(by: float, since:
 
 def test_no_run_shows_no_rate() -> None:
     whole = recording()
-    assert clock_rate({}, {}, whole.shoe, WEIGHT, SETTINGS) == 0.0
+    assert clock_rate({}, cop_tracks({}, whole.shoe, WEIGHT, SETTINGS)) == 0.0

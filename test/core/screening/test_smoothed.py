@@ -15,6 +15,7 @@ from core.screening.recordings import (
     recording,
 )
 from core.screening.test_clocks import fast, late
+from shoecal_core.screening.clocks import cop_tracks
 from shoecal_core.screening.screen import screen
 from shoecal_core.screening.smoothed import HARMLESS_S, describe_smoothed, smoothed_by
 
@@ -27,7 +28,7 @@ def smoothed(whole: Recording, width: float) -> Recording:
 
 
 def found(whole: Recording) -> float:
-    return smoothed_by(whole.aligned, whole.shoe, WEIGHT, SETTINGS)
+    return smoothed_by(cop_tracks(whole.aligned, whole.shoe, WEIGHT, SETTINGS))
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -71,7 +72,7 @@ def test_a_fast_clock_is_no_filter(rate: float) -> None:
 
 def test_no_run_shows_nothing() -> None:
     whole = recording()
-    assert smoothed_by({}, whole.shoe, WEIGHT, SETTINGS) == 0.0
+    assert smoothed_by(cop_tracks({}, whole.shoe, WEIGHT, SETTINGS)) == 0.0
 
 
 def test_it_is_told_by_what_it_costs() -> None:
