@@ -5,15 +5,15 @@ It ends after so many messages, or with Ctrl-C.
 """
 
 import argparse
+import signal
 import sys
 from pathlib import Path
 
 import rclpy
 from geometry_msgs.msg import PointStamped
 from matplotlib.figure import Figure
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
-from rclpy.utilities import remove_ros_args
+from rclpy.signals import SignalHandlerOptions
 
 WAITING = "nothing on shoe/cop: is a calibration in force, and does the robot stand on its feet?"
 
@@ -37,17 +37,17 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=500, help="messages to read")
     parser.add_argument("--out", type=Path, default=Path("out/examples"), help="folder of results")
-    args = parser.parse_args(remove_ros_args(sys.argv)[1:])
+    args = parser.parse_args(rclpy.utilities.remove_ros_args(sys.argv)[1:])
     args.out.mkdir(parents=True, exist_ok=True)
-    rclpy.init()
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    # Not as an exception, which may come in the midst of taking a message.
+    asked_to_end: list[int] = []
+    signal.signal(signal.SIGINT, lambda number, _: asked_to_end.append(number))
     node = CopReader()
-    try:
-        while len(node.path) < args.count:
-            rclpy.spin_once(node, timeout_sec=2.0)
-            if not node.path:
-                node.get_logger().info(WAITING, throttle_duration_sec=5)
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass  # asked to end: draw what there is
+    while len(node.path) < args.count and not asked_to_end:
+        rclpy.spin_once(node, timeout_sec=0.5)
+        if not node.path:
+            node.get_logger().info(WAITING, throttle_duration_sec=5)
     figure = Figure(figsize=(5, 5), layout="constrained")
     axes = figure.add_subplot(title=f"CoP, {node.frame}", xlabel="y (mm)", ylabel="x, forward (mm)")
     axes.plot([y for _, y in node.path], [x for x, _ in node.path], "C1.-")
