@@ -15,11 +15,14 @@ from shoecal_core.arrays import FloatArray
 from shoecal_core.cli.arguments import add_force, add_rezero
 from shoecal_core.cli.progress import shown_progress
 from shoecal_core.cli.prose import say
+from shoecal_core.cli.tables import verdict_line
 from shoecal_core.errors import ShoecalError
+from shoecal_core.estimation.accuracy import GRF_FAIL
 from shoecal_core.files import atomic_write, make_folder
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot_file import load_robot
+from shoecal_core.screening.verdict import name_runs
 from shoecal_core.workflows.apply import apply, at_own_zeros
 from shoecal_core.workflows.evaluation import load_calibration_of
 
@@ -51,7 +54,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     sensing, kinematics = calibration.sensing(session.shoe), Kinematics(robot)
     make_folder(args.out)
     rows: list[dict[str, object]] = []
-    entries = session.runs
+    entries, shares = session.runs, dict[int, float]()
     with shown_progress() as progress:
         for index, entry in enumerate(entries):
             progress(f"run {entry.run}", index / len(entries))
@@ -60,6 +63,9 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
             found = apply(recorded, own, kinematics)
             file = args.out / f"run_{entry.run:03d}.csv"
             atomic_write(file, _table(found.columns()))
+            grf = found.measured.total_grf
+            if not entry.info.hanging and np.isfinite(grf).any():
+                shares[entry.run] = float(np.nanmedian(grf)) / robot.weight
             known = int(np.isfinite(found.cop).all(axis=1).sum())
             rows.append({"run": entry.run, "file": str(file), "samples": len(found.time),
                          "with_cop": known})  # fmt: skip
@@ -67,7 +73,17 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
                 console,
                 f"{file}: {len(found.time)} samples, {known} of them with a CoP of both feet",
             )
-    return {"calibration": calibration.id, "runs": rows}
+    far = [run for run, share in shares.items() if abs(share - 1.0) > GRF_FAIL]
+    warnings = []
+    if far:
+        usual = float(np.median([shares[run] for run in far]))
+        warnings.append(
+            f"{name_runs(far)}: GRF is {usual:.0%} of the weight in the median: see that "
+            f"{args.calibration} is of these shoes, unedited, and that their zeros have not "
+            "changed since (--rezero)"
+        )
+        say(console, verdict_line("WARN", warnings[0]))
+    return {"calibration": calibration.id, "runs": rows, "warnings": warnings}
 
 
 def _table(columns: Mapping[str, FloatArray]) -> str:

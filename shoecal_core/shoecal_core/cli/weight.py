@@ -12,7 +12,7 @@ def weight_line(weighed: Weighed | None, robot: Robot) -> str:
     if weighed is not None:
         return f"weight: {weight_text(weighed, robot)}"
     return (
-        f"weight: {robot.mass:.2f} kg with shoes by the robot file (standard uncertainty "
+        f"weight: {robot.mass:.2f} kg by the files of robot and shoes (standard uncertainty "
         f"{robot.mass_std:.2f} kg)"
     )
 

@@ -13,6 +13,7 @@ import numpy as np
 from shoecal_core.arrays import FloatArray
 from shoecal_core.drafting.body import Body
 from shoecal_core.drafting.legs import LegChains
+from shoecal_core.robot.leg_masses import NOTABLE, unlike_masses
 from shoecal_core.robot.urdf import UrdfError, name_links
 
 LEG_M = (0.03, 3.0)
@@ -26,11 +27,6 @@ SAME_MASS = 0.02
 """By which a frame's mass may differ from that of a whole assembly, as a share of it."""
 HEAVY = 0.3
 """Share of the robot's mass from which a link without a shape is looked at."""
-UNLIKE = 1.9
-"""Times the mass of its counterpart in the other leg from which a link is looked at: doubled, or
-half of it, both rounded."""
-NOTABLE = 0.02
-"""Share of the robot's mass from which such a difference matters."""
 FAR = 2.0
 """Lengths of a leg between a link's frame and its CoM from which the unit is wrong: CAD programs
 give millimetres. A trunk's frame may lie at the feet, a leg's length away."""
@@ -122,7 +118,7 @@ def check_size(body: Body, legs: LegChains) -> None:
 
 def doubts(body: Body, legs: LegChains) -> Iterator[str]:
     """Masses and inertias that may be right and mostly are not, in words."""
-    model, links, length = body.model, _links(body.root), _leg_length(body, legs)
+    links, length = _links(body.root), _leg_length(body, legs)
     total = sum(link.mass for link in links)
     for link in links if any(one.shaped for one in links) else ():
         if not link.shaped and link.mass > HEAVY * total:
@@ -142,12 +138,9 @@ def doubts(body: Body, legs: LegChains) -> Iterator[str]:
     ]
     if wide:
         yield f"the inertia of {_named(wide)} is that of a larger body, in kg mm^2 perhaps"
-    for left, right in zip(*legs.chains, strict=True):
-        masses = [float(model.inertias[joint].mass) for joint in (left, right)]
-        if max(masses) > UNLIKE * min(masses) and np.ptp(masses) > NOTABLE * total:
-            names = " and ".join(body.link(joint)[0] for joint in (left, right))
-            both = " and ".join(f"{mass:.3g}" for mass in masses)
-            yield f"{names} are {both} kg, though the legs are alike"
+    for left, right, masses in unlike_masses(body.model, zip(*legs.chains, strict=True), total):
+        names = " and ".join(body.link(joint)[0] for joint in (left, right))
+        yield f"{names} are {masses[0]:.3g} and {masses[1]:.3g} kg, though the legs are alike"
 
 
 def crossed_limits(body: Body, legs: LegChains) -> list[tuple[int, int]]:

@@ -182,7 +182,12 @@ def _correlation(motions: Iterable[FloatArray]) -> float:
 
 
 def check_accuracy(
-    label: str, errors: Errors, robot: Robot, limit: ModelLimit | None = None
+    label: str,
+    errors: Errors,
+    robot: Robot,
+    limit: ModelLimit | None = None,
+    *,
+    given: str = "",
 ) -> list[Finding]:
     """Errors of both feet together, and of each foot where they are known.
 
@@ -191,17 +196,26 @@ def check_accuracy(
         errors: of measured against modelled GRF and CoP.
         robot: for its weight and its feet.
         limit: of the model; None for a robot that stands.
+        given: name of a calibration that was not fitted here, so that it may be of other shoes.
     """
+    cure = "check the robot's weight, the shoe file and that nothing touched the robot"
+    if given:
+        cure = f"see that calibration '{given}' is of these shoes and unedited; else {cure}"
     width = min(foot.half_width for foot in robot.feet)
     place = (errors.cop, *errors.foot_cop)
     return [
-        *_judged("GRF", label, (errors.grf, *errors.foot_grf), robot.weight, limit),
-        *_judged("CoP", label, place, width, limit),
+        *_judged("GRF", label, (errors.grf, *errors.foot_grf), robot.weight, limit, cure),
+        *_judged("CoP", label, place, width, limit, cure),
     ]
 
 
 def _judged(
-    name: str, label: str, found: Sequence[Mae], whole: float, limit: ModelLimit | None
+    name: str,
+    label: str,
+    found: Sequence[Mae],
+    whole: float,
+    limit: ModelLimit | None,
+    cure: str,
 ) -> list[Finding]:
     """One finding on a quantity of both feet, the left and the right one."""
     force = name == "GRF"
@@ -240,5 +254,5 @@ def _judged(
             "by slow motions in double support"
         )
     else:
-        text += ": check the robot's weight, the shoe file and that nothing touched the robot"
+        text += f": {cure}"
     return [Finding(level, text)]

@@ -227,6 +227,15 @@ class Robot:
         # Joint 0 of the model is the world, 1 the free base; both are above either foot.
         return tuple(sorted(int(joint) - 2 for joint in left ^ right if joint > 1))
 
+    @cached_property
+    def leg_pairs(self) -> tuple[tuple[int, int], ...]:
+        """Joints of the model in the left and the right leg that are as far from their foot."""
+        left, right = (
+            [joint for joint in self.model.supports[foot.joint] if joint - 2 in self.between_feet]
+            for foot in self.feet
+        )
+        return tuple(zip(reversed(left), reversed(right), strict=False))
+
     @property
     def lower(self) -> FloatArray:
         """(m,) lower joint limits [rad]."""

@@ -141,6 +141,13 @@ def load_robot(
         tilt_max=fields.number("tilt_max_rad", default=Robot.tilt_max, above=0.0, maximum=1.5),
     )
     check_standing(robot, fields)
+    for index in robot.between_feet:
+        if robot.joint_names[index] in robot.optional:
+            raise fields.error(
+                "optional_joints",
+                f"'{robot.joint_names[index]}' lies between the feet, whose places follow from its "
+                "angle: record it, or make it 'fixed' in the URDF if it cannot move",
+            )
     return robot
 
 

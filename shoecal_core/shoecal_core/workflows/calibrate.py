@@ -39,6 +39,7 @@ from shoecal_core.estimation.data_sheets import (
     check_weight,
     contradicts,
 )
+from shoecal_core.estimation.doubtful_files import check_files
 from shoecal_core.estimation.fit import SelfCalibration, prior_of, self_calibrate
 from shoecal_core.estimation.initial_guess import initial_guess
 from shoecal_core.estimation.joint import corrected, fit_with_known, joint_calibration, of_joint
@@ -375,6 +376,7 @@ def _check_sheets(
     # Soles that are off bend the gains, too: only weighing in the air does not mind them.
     if not soles or data.weighed is not None:
         found += check_weight(data.shoe, gains, gain_std, data.weighed, data.robot)
+    found += check_files(data.robot, data.shoe)
     return found + check_data_sheets(data.shoe, gains, gain_std)
 
 

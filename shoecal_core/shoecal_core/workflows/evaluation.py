@@ -179,7 +179,7 @@ def evaluate_session(
         )
         if limit is not None:
             limits[name] = limit
-        findings += check_accuracy(name, found, data.robot, limit)
+        findings += check_accuracy(name, found, data.robot, limit, given=calibration.id)
     return Evaluated(runs, zeros, judge(findings), data.weighed, limits, data.robot)
 
 

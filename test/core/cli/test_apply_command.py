@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import csv
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from core.cli.conftest import Run
-from shoecal_core.estimation.calibration import load_calibration
+from shoecal_core.estimation.calibration import load_calibration, save_calibration
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.truth import read_truth
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot_file import load_robot
+from shoecal_core.shoe.wrench import ChannelParameters
 from shoecal_core.workflows.apply import apply, at_own_zeros
 
 
@@ -60,6 +62,23 @@ def test_what_is_not_known_is_left_empty(simulated: Path, calibrated: Path) -> N
     # No foot hangs in any run: zeros stay as they were calibrated.
     same = at_own_zeros(session.read(1), sensing, Kinematics(robot))
     np.testing.assert_array_equal(same.parameters.offset, sensing.parameters.offset)
+
+
+def test_a_calibration_of_other_shoes_is_doubted(
+    shoecal: Run, simulated: Path, calibrated: Path, tmp_path: Path
+) -> None:
+    code, out, _ = shoecal("apply", simulated, "--calibration", calibrated, "--out", tmp_path)
+    assert code == 0
+    assert "WARN" not in out
+    calibration = load_calibration(calibrated)
+    law = calibration.parameters
+    other = tmp_path / "other.yaml"
+    save_calibration(
+        replace(calibration, parameters=ChannelParameters(1.1 * law.gain, 1.1 * law.offset)), other
+    )
+    code, out, _ = shoecal("apply", simulated, "--calibration", other, "--out", tmp_path)
+    assert code == 0
+    assert "GRF is 110% of the weight in the median: see that" in " ".join(out.split())
 
 
 def test_a_calibration_that_failed_is_not_applied(

@@ -260,6 +260,9 @@ BAD: dict[str, tuple[tuple[Key, ...], object, str, str]] = {
     "an optional joint that is not there": (
         ("optional_joints",), ["left_ear"], "optional_joints", "no joint 'left_ear'"
     ),
+    "an optional joint between the feet": (
+        ("optional_joints",), ["left_knee"], "optional_joints", "'left_knee' lies between the feet"
+    ),
     "a shared motor of no joint": (
         ("shared_motors",), [{"joint": "x", "leader": "left_knee", "ratio": 1}],
         "shared_motors[0].joint", "'x' is not one of",

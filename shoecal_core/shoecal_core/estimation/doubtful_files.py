@@ -1,0 +1,72 @@
+"""What the files of robot and shoes say that may be right and mostly is not."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shoecal_core.arrays import FloatArray
+from shoecal_core.robot.leg_masses import unlike_masses
+from shoecal_core.robot.robot import Robot, first_link
+from shoecal_core.screening.verdict import Finding
+from shoecal_core.shoe.shoe import Shoe
+
+SHOE_SHARE = 0.1
+"""Share of the whole mass from which shoes are rather given in another unit, or with a slip of the
+decimal point: those of the paper are 3 % of their NAO."""
+SAME_PLACE_M = 0.0005
+"""Places are given in whole or half millimetres."""
+NOTABLE_M = 0.002
+"""By which mirrored and unmirrored places differ at least before one of them is wrong: somewhat
+more than the tolerance of a cell's place."""
+
+
+def check_files(robot: Robot, shoe: Shoe) -> list[Finding]:
+    """Shoes that are too heavy, cells of the other foot, and legs of unlike masses."""
+    found = []
+    share = shoe.mass / robot.mass
+    if share > SHOE_SHARE:
+        found.append(
+            f"the plates of both shoes have {shoe.mass:.3g} kg by the shoe file, {share:.0%} of "
+            f"the {robot.mass:.3g} kg of robot and shoes: put the shoes on a scale, and correct "
+            "mass_above_kg and mass_below_kg"
+        )
+    if (apart := _not_mirrored(robot, shoe)) > NOTABLE_M:
+        found.append(
+            "the right foot's cells have the places of the left foot's, though the soles are each "
+            f"other's mirror images: up to {1e3 * apart:.0f} mm apart from mirrored ones; give "
+            "the right ones' y with the other sign (position_m in the shoe file), unless both "
+            "shoes are of the same shape"
+        )
+    for left, right, masses in unlike_masses(robot.model, robot.leg_pairs, robot.mass):
+        names = " and ".join(first_link(robot.model, joint).name for joint in (left, right))
+        found.append(
+            f"{names} are {masses[0]:.3g} and {masses[1]:.3g} kg by the URDF, though the legs are "
+            "alike: correct the <mass> of the wrong one"
+        )
+    return [Finding("WARN", text) for text in found]
+
+
+def _not_mirrored(robot: Robot, shoe: Shoe) -> float:
+    """How far the right cells are from the mirrored left ones, where they have the left ones'
+    places and the soles are mirrored [m]; else 0.
+    """
+    soles = [foot.outline for foot in robot.feet]
+    left, right = (
+        np.array([shoe.channels[index].position for index in shoe.of_foot(foot)])
+        for foot in range(2)
+    )
+    mirrored_soles = _apart(_mirrored(soles[0]), soles[1]) < SAME_PLACE_M
+    if not mirrored_soles or _apart(*soles) < NOTABLE_M or _apart(left, right) > SAME_PLACE_M:
+        return 0.0
+    return _apart(_mirrored(left), right)
+
+
+def _mirrored(places: FloatArray) -> FloatArray:
+    """(n, 2) of the other foot."""
+    return places * (1.0, -1.0)
+
+
+def _apart(ours: FloatArray, theirs: FloatArray) -> float:
+    """From any of (n, 2) places to the nearest of (k, 2) others, at most, either way [m]."""
+    distances = np.linalg.norm(ours[:, None] - theirs[None], axis=2)
+    return float(max(distances.min(axis=0).max(), distances.min(axis=1).max()))
