@@ -37,7 +37,9 @@ def check_files(robot: Robot, shoe: Shoe) -> list[Finding]:
             "the right ones' y with the other sign (position_m in the shoe file), unless both "
             "shoes are of the same shape"
         )
-    for left, right, masses in unlike_masses(robot.model, robot.leg_pairs, robot.mass):
+    # Legs of which one has a joint more are counted from the feet.
+    pairs = zip(*(reversed(leg) for leg in robot.leg_chains), strict=False)
+    for left, right, masses in unlike_masses(robot.model, pairs, robot.mass):
         names = " and ".join(first_link(robot.model, joint).name for joint in (left, right))
         found.append(
             f"{names} are {masses[0]:.3g} and {masses[1]:.3g} kg by the URDF, though the legs are "

@@ -228,13 +228,17 @@ class Robot:
         return tuple(sorted(int(joint) - 2 for joint in left ^ right if joint > 1))
 
     @cached_property
-    def leg_pairs(self) -> tuple[tuple[int, int], ...]:
-        """Joints of the model in the left and the right leg that are as far from their foot."""
+    def leg_chains(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
+        """Joints of the model from the hip to the sole, of the left and of the right leg."""
         left, right = (
-            [joint for joint in self.model.supports[foot.joint] if joint - 2 in self.between_feet]
+            tuple(
+                int(joint)
+                for joint in self.model.supports[foot.joint]
+                if joint - 2 in self.between_feet
+            )
             for foot in self.feet
         )
-        return tuple(zip(reversed(left), reversed(right), strict=False))
+        return left, right
 
     @property
     def lower(self) -> FloatArray:

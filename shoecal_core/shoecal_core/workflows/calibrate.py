@@ -47,7 +47,7 @@ from shoecal_core.estimation.joint_fit import JointFit
 from shoecal_core.estimation.known import Since, require_prior_counts
 from shoecal_core.estimation.known_shoe import known_shoe
 from shoecal_core.estimation.lagging import check_lags, lags
-from shoecal_core.estimation.leg_lengths import describe_lengths, other_lengths
+from shoecal_core.estimation.leg_geometry import describe_leg_errors, leg_errors
 from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.estimation.residuals import ResidualWeights
 from shoecal_core.estimation.series import Errors, Series, errors, measured_series, modelled_series
@@ -370,7 +370,7 @@ def _check_sheets(
     deviations = () if fit.joint is None else fit.joint.deviations
     soles, robot = check_soles(data.shoe, deviations), check_robot(deviations)
     # A likelier cause stands for what the fit made of it, unless that is too far off to be applied.
-    found = soles or _check_lengths(data) or robot
+    found = soles or _check_legs(data) or robot
     if robot != found and any(one.verdict == "FAIL" for one in robot):
         found = found + robot
     # Soles that are off bend the gains, too: only weighing in the air does not mind them.
@@ -380,10 +380,10 @@ def _check_sheets(
     return found + check_data_sheets(data.shoe, gains, gain_std)
 
 
-def _check_lengths(data: SessionData) -> list[Finding]:
-    """Links of the legs; an error of theirs looks like one of zeros or CoMs to the fit."""
+def _check_legs(data: SessionData) -> list[Finding]:
+    """Lengths and scales; an error of theirs looks like one of zeros or CoMs to the fit."""
     standing = {run: one for run, one in data.screening.standing.items() if run in data.aligned}
-    return describe_lengths(other_lengths(data.kinematics, data.aligned, standing))
+    return describe_leg_errors(leg_errors(data.kinematics, data.aligned, standing))
 
 
 def _verdict(

@@ -1,4 +1,4 @@
-"""Links of another length than in the URDF are found by feet that stay in place."""
+"""Links of other lengths, and angles of another scale, are found by feet that stay in place."""
 
 from __future__ import annotations
 
@@ -11,7 +11,12 @@ import pytest
 
 from core.robot.test_joint_zeros import with_error
 from shoecal_core.arrays import BoolArray, FloatArray
-from shoecal_core.estimation.leg_lengths import OtherLength, describe_lengths, other_lengths
+from shoecal_core.estimation.leg_geometry import (
+    OtherLength,
+    OtherScale,
+    describe_leg_errors,
+    leg_errors,
+)
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot
@@ -68,7 +73,7 @@ def bends(robot: Robot, ahead: float) -> FloatArray:
     return angles
 
 
-def found(robot: Robot, angles: Sequence[FloatArray]) -> list[OtherLength]:
+def found(robot: Robot, angles: Sequence[FloatArray]) -> list[OtherLength] | list[OtherScale]:
     """By runs of a robot whose joint angles are (T, m) each [rad]."""
     kinematics = Kinematics(robot)
     rng = np.random.default_rng(1)
@@ -78,13 +83,13 @@ def found(robot: Robot, angles: Sequence[FloatArray]) -> list[OtherLength]:
         time = np.arange(len(read)) / 10.0
         aligned[run] = Aligned(time, np.zeros((len(read), 8)), read, kinematics.states(read))
         standing[run] = np.ones(len(read), dtype=bool)
-    return other_lengths(kinematics, aligned, standing)
+    return leg_errors(kinematics, aligned, standing)
 
 
 def test_nothing_is_said_of_right_lengths(nao: Robot, nao_bends: list[FloatArray]) -> None:
     assert found(nao, nao_bends) == []
-    assert other_lengths(Kinematics(nao), {}, {}) == []
-    assert describe_lengths([]) == []
+    assert leg_errors(Kinematics(nao), {}, {}) == []
+    assert describe_leg_errors([]) == []
 
 
 @pytest.mark.parametrize("size", [0.012, -0.012])
@@ -93,7 +98,7 @@ def test_links_of_another_length_are_named(
     nao: Robot, nao_bends: list[FloatArray], joints: tuple[str, ...], size: float
 ) -> None:
     lengths = found(shortened(nao, size, *joints), nao_bends)
-    named = {one.joints: one.longer for one in lengths}
+    named = {one.joints: one.longer for one in lengths if isinstance(one, OtherLength)}
     assert named[joints] == pytest.approx(size, abs=0.002)
 
 
@@ -103,6 +108,22 @@ def test_zeros_stay_zeros(nao: Robot, nao_bends: list[FloatArray], joint: str, s
     assert found(nao, [with_error(nao, one, joint, size) for one in nao_bends]) == []
 
 
+@pytest.mark.parametrize("joint", ["LKneePitch", "RHipPitch"])
+@pytest.mark.parametrize("more", [0.05, -0.08])
+def test_angles_of_another_scale_are_named(
+    nao: Robot, nao_bends: list[FloatArray], joint: str, more: float
+) -> None:
+    scale = np.ones(len(nao.joint_names))
+    scale[nao.joint(joint)] = 1.0 / (1.0 + more)
+    (error,) = found(nao, [scale * one for one in nao_bends])
+    assert isinstance(error, OtherScale)
+    assert error.joint == joint
+    assert error.more == pytest.approx(more, rel=0.1)
+    (finding,) = describe_leg_errors([error])
+    word = "more" if more > 0.0 else "less"
+    assert f"{joint} turned {abs(error.more):.1%} {word} than recorded" in finding.reason
+
+
 def test_where_a_zero_explains_it_as_well_nothing_is_said(
     nao: Robot, nao_bends: list[FloatArray]
 ) -> None:
@@ -110,7 +131,7 @@ def test_where_a_zero_explains_it_as_well_nothing_is_said(
 
 
 def test_the_words_name_links_sizes_and_joints() -> None:
-    (finding,) = describe_lengths(
+    (finding,) = describe_leg_errors(
         [
             OtherLength(("l_shin", "r_shin"), ("l_ankle", "r_ankle"), -0.0123),
             OtherLength(("l_thigh",), ("l_knee",), 0.011),

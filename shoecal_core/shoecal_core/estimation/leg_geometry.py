@@ -1,9 +1,10 @@
-"""Are links of the legs longer or shorter than the URDF says? By feet that stay in place.
+"""Links of other lengths than in the URDF, and angles of another scale: by feet that stay in place.
 
 While both feet stand, one sole does not move against the other. A link of another length makes it
-seem to, wherever knees bend. Errors of zeros do so in another way: what leaves least of that
-motion, each with one size, is the likeliest. Shins that are shorter and thighs that are longer move
-the soles alike: then both are named.
+seem to, wherever knees bend; an encoder with other counts per turn does, wherever its joint moves.
+Errors of zeros do so in another way: what leaves least of that motion, each with one size, is the
+likeliest. Shins that are shorter and thighs that are longer move the soles alike: then both are
+named.
 """
 
 from __future__ import annotations
@@ -26,19 +27,22 @@ SAMPLES = 100
 """Of each run, evenly over it; a run's soles have one place in it."""
 UNIT_M, UNIT_RAD = 0.001, 0.004
 """Motion and turn of a sole that count alike."""
-STEP_M, STEP_RAD = 0.002, 0.005
+STEP_M, STEP_RAD, STEP_SHARE = 0.002, 0.005, 0.01
 """Of derivatives."""
 LEAST_M = 0.003
 """Smaller errors of lengths are as built."""
 MOST_SHARE = 0.3
 """Of a link's length, that no robot of that kind is off by: legs that move alike show nothing."""
+LEAST_SHARE = 0.02
+"""Of an angle; encoders and gears are counted out, and what is left harms less than their play."""
 LEFT = 0.4
-"""Of the sum of squares, what a length leaves at most: shins 12 mm off leave 0.09; sound sessions
-keep 0.94 and more."""
-THAN_ZEROS = 0.5
-"""Of what the best zero leaves, what a length leaves at most."""
+"""Of the sum of squares, what a length or scale leaves at most: shins 12 mm off leave 0.09; sound
+sessions keep 0.94 and more."""
+BETTER = 0.5
+"""Of what the best zero leaves, what a length leaves at most; the same for a scale, of lengths
+too."""
 AS_GOOD = 1.5
-"""Lengths that leave so many times the least explain the soles as well."""
+"""What leaves so many times the least explains the soles as well."""
 LONG = 0.2
 """Of a leg's length, from which it is a link that is measured; others are offsets of axes."""
 
@@ -59,11 +63,28 @@ class OtherLength:
 
 
 @dataclass(frozen=True)
+class OtherScale:
+    """A joint that turns by more or less than its angles say.
+
+    Attributes:
+        joint: its name.
+        more: turned beyond what is recorded, as a share of it; negative where less.
+    """
+
+    joint: str
+    more: float
+
+
+@dataclass(frozen=True)
 class _Standing:
     """Samples of T instants at which both feet stand: joint angles (T, m), run of each (T,)."""
 
     angles: FloatArray
     run: FloatArray
+
+    def of_joint(self, joint: int) -> FloatArray:
+        """(T, m) the angles of one joint alone."""
+        return np.where(np.arange(self.angles.shape[1]) == joint, self.angles, 0.0)
 
     def motion(self, kinematics: Kinematics, angles: FloatArray | None = None) -> FloatArray:
         """(3T,) how far the right sole is off its place in the run, in units."""
@@ -74,10 +95,10 @@ class _Standing:
         return np.asarray((place / (UNIT_M, UNIT_M, UNIT_RAD)).ravel())
 
 
-def other_lengths(
+def leg_errors(
     kinematics: Kinematics, aligned: Mapping[int, Aligned], standing: Mapping[int, BoolArray]
-) -> list[OtherLength]:
-    """Lengths that explain, far better than any zero does, how soles move that should not.
+) -> list[OtherLength] | list[OtherScale]:
+    """What explains far better than any zero does how soles move that should not.
 
     Args:
         kinematics: of the robot as its files say.
@@ -85,25 +106,35 @@ def other_lengths(
         standing: of each of them (T,) samples at which both feet stand in their places.
 
     Returns:
-        Alternatives, the best first; none where lengths are right, or zeros explain it as well.
+        Alternatives, the best first; none where all is right, or zeros explain it as well.
     """
     chosen = _chosen(aligned, standing)
     if chosen is None:
         return []
     robot, now = kinematics.robot, chosen.motion(kinematics)
-    lengths = []
-    for joints in _links(robot):
-        slope = (chosen.motion(Kinematics(_longer(robot, joints, STEP_M))) - now) / STEP_M
-        left, size = _fitted(now, slope)
-        if LEAST_M < abs(size) < MOST_SHARE * min(_length(robot, joint) for joint in joints):
-            lengths.append((left, size, joints))
-    if not lengths:
-        return []
-    least = min(left for left, _, _ in lengths)
-    if least > LEFT or least > THAN_ZEROS * min(
-        _fitted(now, (chosen.motion(kinematics, chosen.angles + STEP_RAD * turn) - now))[0]
-        for turn in _zeros(robot)
-    ):
+
+    def turned(turn: FloatArray, step: float) -> tuple[float, float]:
+        """With so much more of angles that are off by (m,) or (T, m)."""
+        return _fitted(now, (chosen.motion(kinematics, chosen.angles + step * turn) - now) / step)
+
+    zero = min(turned(one, STEP_RAD)[0] for one in _zeros(robot))
+    lengths = list(_lengths(robot, chosen, now))
+    scales = [
+        (left, size, joint)
+        for joint in robot.between_feet
+        for left, size in [turned(chosen.of_joint(joint), STEP_SHARE)]
+        if abs(size) > LEAST_SHARE
+    ]
+    least_length, least_scale = (
+        min((one[0] for one in found), default=np.inf) for found in (lengths, scales)
+    )
+    if least_scale < min(LEFT, BETTER * min(zero, least_length)):
+        return [
+            OtherScale(robot.joint_names[joint], size)
+            for left, size, joint in sorted(scales)
+            if left < AS_GOOD * least_scale
+        ]
+    if least_length > min(LEFT, BETTER * zero):
         return []
     return [
         OtherLength(
@@ -112,8 +143,19 @@ def other_lengths(
             size,
         )
         for left, size, joints in sorted(lengths)
-        if left < AS_GOOD * least
+        if left < AS_GOOD * least_length
     ]
+
+
+def _lengths(
+    robot: Robot, chosen: _Standing, now: FloatArray
+) -> Iterator[tuple[float, float, tuple[int, ...]]]:
+    """What each link's length leaves of the motion (3T,), its size [m], and its joints."""
+    for joints in _links(robot):
+        slope = (chosen.motion(Kinematics(_longer(robot, joints, STEP_M))) - now) / STEP_M
+        left, size = _fitted(now, slope)
+        if LEAST_M < abs(size) < MOST_SHARE * min(_length(robot, joint) for joint in joints):
+            yield left, size, joints
 
 
 def _chosen(aligned: Mapping[int, Aligned], standing: Mapping[int, BoolArray]) -> _Standing | None:
@@ -137,16 +179,9 @@ def _fitted(now: FloatArray, slope: FloatArray) -> tuple[float, float]:
     return float(left @ left) / max(float(now @ now), 1e-12), size
 
 
-def _legs(robot: Robot) -> list[list[int]]:
-    """Joints of the model from hip to sole, of each leg."""
-    left, right = ([int(one) for one in robot.model.supports[foot.joint]] for foot in robot.feet)
-    shared = {*left} & {*right}
-    return [[one for one in leg if one not in shared] for leg in (left, right)]
-
-
 def _links(robot: Robot) -> Iterator[tuple[int, ...]]:
     """Joints at the far end of each long link, of both legs and of one."""
-    legs = [_long(robot, leg) for leg in _legs(robot)]
+    legs = [_long(robot, leg) for leg in robot.leg_chains]
     if len(legs[0]) == len(legs[1]):
         yield from zip(*legs, strict=True)
     for leg in legs:
@@ -186,16 +221,31 @@ def _zeros(robot: Robot) -> Iterator[FloatArray]:
         yield np.eye(count)[joint]
     for motor in robot.shared:
         yield np.eye(count)[motor.leader] + motor.ratio * np.eye(count)[motor.joint]
-    left, right = _legs(robot)
+    left, right = robot.leg_chains
     if len(left) == len(right):
         for (one, other), sign in product(zip(left, right, strict=True), (1.0, -1.0)):
             yield np.eye(count)[one - ROOT_JOINTS] + sign * np.eye(count)[other - ROOT_JOINTS]
 
 
-def describe_lengths(found: Sequence[OtherLength]) -> list[Finding]:
-    """Links to measure."""
+def describe_leg_errors(found: Sequence[OtherLength] | Sequence[OtherScale]) -> list[Finding]:
+    """Links to measure, or encoders to look at."""
     if not found:
         return []
+    scales = [one for one in found if isinstance(one, OtherScale)]
+    if scales:
+        listed = " or ".join(
+            f"{one.joint} turned {abs(one.more):.1%} {'more' if one.more > 0.0 else 'less'}"
+            for one in scales
+        )
+        return [
+            Finding(
+                "WARN",
+                f"by the joint angles the soles move while both stand, as if {listed} than "
+                "recorded: check its gear ratio and its encoder's counts per turn in the driver, "
+                "then record again",
+            )
+        ]
+    found = [one for one in found if isinstance(one, OtherLength)]
     sizes = ", or ".join(
         f"{' and '.join(one.links)} {1e3 * abs(one.longer):.0f} mm "
         f"{'longer' if one.longer > 0.0 else 'shorter'}"
