@@ -35,7 +35,7 @@ ROBOT_WORDS = {
     "joint_offset": ("the zero of {} is off by {:.0f} mrad", 1e3, "the zeros of the joints"),
     "link_com": (
         "the CoM of {} is off by {:.0f} mm", 1e3,
-        "CoMs in the URDF, or the soles' place (feet.*.sole_xyz_m), which looks the same",
+        "CoMs in the URDF (the soles' place, sole_xyz_m, or a sloping floor look the same)",
     ),
     "link_mass": ("the mass of {} is off by {:.0f} %", 1e2, "masses in the URDF"),
 }  # fmt: skip
@@ -47,6 +47,9 @@ SOLE_WORDS = {"x": ("behind", "in front"), "y": ("to the right", "to the left")}
 """What a shift against and along each axis of the sole is called."""
 MOST_WIDTHS = 0.5
 """Expected CoP error, in half widths of the sensing polygon."""
+STANDS_WIDTHS = 0.5
+"""Half widths by which the CoP moves at least; planned motions take it from foot to foot, three
+times as far and more."""
 MOST_DIRECTIONS = 3
 """Directions without data in one reason; the report draws them all."""
 
@@ -272,7 +275,11 @@ def _addition(add: DoubleSupport | None, otherwise: str) -> str:
 
 
 def check_expected(
-    half_width: float, both: float, feet: Mapping[str, float], add: DoubleSupport | None
+    half_width: float,
+    both: float,
+    feet: Mapping[str, float],
+    add: DoubleSupport | None,
+    moved: float = np.inf,
 ) -> list[Finding]:
     """A CoP that is expected to be so far off that its place in the foot is hardly known.
 
@@ -281,6 +288,7 @@ def check_expected(
         both: expected CoP error of both feet together [m].
         feet: expected CoP error of each foot, by its name [m].
         add: double support that would help; None: none is known.
+        moved: how far the CoP moves in the runs [m].
     """
     errors = {"both feet": both, **{f"the {name} foot": error for name, error in feet.items()}}
     large = {name: error for name, error in errors.items() if error > MOST_WIDTHS * half_width}
@@ -288,6 +296,11 @@ def check_expected(
         return []
     listed = ", ".join(f"{1e3 * error:.0f} mm ({name})" for name, error in large.items())
     cure = _addition(add, "record more double supports")
+    if moved < STANDS_WIDTHS * half_width:
+        cure = (
+            f"the CoP moves by no more than {1e3 * moved:.0f} mm in a run, as if the robot only "
+            "stood; record motions that take it through the feet (`shoecal plan`)"
+        )
     return [
         Finding(
             "FAIL",

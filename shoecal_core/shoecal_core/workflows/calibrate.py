@@ -156,7 +156,8 @@ def calibrate_session(
     found += check_axes(data.shoe, data.of(train))
     found += check_zeros(data.shoe, data.zeros, stages.parameters, data.robot.weight, own=rezero)
     found = _check_sheets(fit, settings, assessment) + found + promise
-    verdict = _verdict(data, stages, modelled["self_calibration"], limits, found, assessment)
+    moved = _moved(calibrated["train"])
+    verdict = _verdict(data, stages, modelled["self_calibration"], limits, found, assessment, moved)
     return CalibrationOutcome(
         calibration=replace(
             _calibration(data, stages, assessment, verdict, made_ns),
@@ -351,6 +352,12 @@ def _compare(
     }
 
 
+def _moved(pairs: Sequence[tuple[Series, Series]]) -> float:
+    """How far the modelled CoP, second of each pair, moves within a stance along an axis [m]."""
+    known = [model.cop[np.isfinite(model.cop).all(axis=1)] for _, model in pairs]
+    return float(max((np.ptp(cop, axis=0).max() for cop in known if len(cop)), default=0.0))
+
+
 def _check_fit(fit: _Fit, settings: CalibrationSettings) -> list[Finding]:
     """Channels that lag behind what the fit expects of them."""
     fitting = _fitting(settings, fit.data.screening)
@@ -393,13 +400,14 @@ def _verdict(
     limits: dict[str, ModelLimit | None],
     findings: list[Finding],
     assessment: Assessment,
+    moved: float,
 ) -> Verdict:
     findings = findings + check_gains(data.shoe, stages.guess.polarity, stages.parameters)
     findings += describe_time_offset(stages.time_offset)
     for name, error in modelled.items():
         findings += check_accuracy(name, error, data.robot, limits[name])
     width, add = min(foot.half_width for foot in data.robot.feet), assessment.support_to_add
-    expected = check_expected(width, *assessment.expected_cop(), add)
+    expected = check_expected(width, *assessment.expected_cop(), add, moved)
     # Both have one cure, which stands once, with what is worse.
     findings += check_directions(assessment.identifiability, add, cure=not expected)
     return judge(findings + expected)

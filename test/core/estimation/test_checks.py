@@ -180,6 +180,8 @@ def test_an_expected_cop_error_is_judged_by_the_width_of_the_polygon() -> None:
     (failed,) = check_expected(0.025, 0.03, {"left": 0.001}, added)
     assert failed.verdict == "FAIL"
     assert "dtheta 0.4 rad" in failed.reason
+    (still,) = check_expected(0.025, 0.03, {"left": 0.001}, added, moved=0.003)
+    assert "moves by no more than 3 mm in a run, as if the robot only stood" in still.reason
 
 
 def test_the_worst_finding_decides_and_all_are_told_worst_first() -> None:
@@ -256,7 +258,7 @@ def test_what_the_fit_takes_the_robot_for() -> None:
     assert finding.verdict == "WARN"
     assert finding.reason.startswith(
         "by the fit the CoM of base_link x is off by 24 mm (8 tolerances); the zero of LKneePitch "
-        "is off by 28 mrad (7 tolerances): correct CoMs in the URDF, or the soles' place"
+        "is off by 28 mrad (7 tolerances): correct CoMs in the URDF (the soles' place"
     )
     assert finding.reason.endswith(" and the zeros of the joints, then calibrate again")
     farthest = fitted("link_com", "base_link", "x", 0.055, 0.003)

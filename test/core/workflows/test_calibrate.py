@@ -45,7 +45,9 @@ def verdict(supports: Sequence[DoubleSupport], findings: Sequence[Finding] = ())
     pairs = [(measured_series(stages.sensing, run), modelled_series(run)) for run in runs]
     modelled = {"train": errors(pairs)}
     assessment = assess(robot, stages, None, runs, SETTINGS, Tolerances())
-    return pipeline._verdict(data, stages, modelled, {"train": None}, list(findings), assessment)
+    return pipeline._verdict(
+        data, stages, modelled, {"train": None}, list(findings), assessment, np.inf
+    )
 
 
 def test_three_supports_of_other_yaw_pass() -> None:
