@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import combinations
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.checks import GAIN_RATIO
 from shoecal_core.estimation.series import Mae
 from shoecal_core.manual.cells import CellFit, unlike_gains
+from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import FEET, Shoe
 
@@ -19,8 +21,11 @@ COP_LIMITS = (2e-3, 5e-3)
 BEFORE_LIMIT = 0.015
 """m; MAE of an assembled shoe's CoP before it is corrected. Sound shoes come to 4 mm, holes that
 were counted from the other side to 34 mm; the correction leaves 0.7 mm of these, in the holes."""
-LINE_LIMIT = 0.01
-"""Scatter of a cell about its line, over its largest load."""
+LINE_LIMITS = (0.01, 0.05)
+"""Scatter of a cell about its line, over its largest load, above which there is a warning, and no
+use: cells are straight to 0.1 %, hands to a few."""
+EXCHANGED = 0.01
+"""Of the squares about a line, what two exchanged weights leave at most: noise is far below."""
 SHIFT_LIMIT = 5.0
 """N; screwing a cell in seldom shifts its zero by more."""
 FULL_SHARE = 0.5
@@ -51,14 +56,30 @@ def check_cells(shoe: Shoe, gain: FloatArray) -> list[Finding]:
 
 def check_lines(fits: Sequence[CellFit]) -> list[Finding]:
     """Cells whose readings do not lie on a line."""
+    warn, fail = (GRAVITY * limit for limit in LINE_LIMITS)
     return [
         Finding(
-            "WARN",
-            f"{fit.name} scatters by {fit.residual_std:.2f} N about its line: read it again",
+            "FAIL" if fit.residual_std > fail * fit.masses.max() else "WARN",
+            f"{fit.name} scatters by {fit.residual_std:.2f} N about its line"
+            f"{_exchanged(fit)}: read it again",
         )
         for fit in fits
-        if fit.residual_std > LINE_LIMIT * 9.81 * fit.masses.max()
+        if fit.residual_std > warn * fit.masses.max()
     ]
+
+
+def _exchanged(fit: CellFit) -> str:
+    """Two weights that make a line of the readings at each other's place, in words; or nothing."""
+    left = {}
+    for one, other in combinations(range(len(fit.masses)), 2):
+        masses = fit.masses.copy()
+        masses[[one, other]] = masses[[other, one]]
+        line = np.polyfit(fit.readings, masses, 1)
+        left[one, other] = float(np.square(np.polyval(line, fit.readings) - masses).sum())
+    one, other = min(left, key=lambda pair: left[pair])
+    straight = GRAVITY**2 * left[one, other] < EXCHANGED * np.square(fit.residuals).sum()
+    names = f"{fit.masses[one]:g} and {fit.masses[other]:g} kg"
+    return f", and does not with {names} exchanged" if straight else ""
 
 
 def check_foot(

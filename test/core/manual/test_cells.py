@@ -20,6 +20,7 @@ from core.manual.benches import (
 )
 from shoecal_core.errors import ShoecalError
 from shoecal_core.manual.cells import fit_cells, law
+from shoecal_core.manual.checks import check_lines
 from shoecal_core.manual.loads import CELLS, Load
 from shoecal_core.manual.measurements import Measurements
 from shoecal_core.robot.robot import GRAVITY
@@ -102,6 +103,24 @@ def test_a_bent_line_shows_in_the_scatter() -> None:
     mean = next(entry.mean for entry in cells.entries if entry.load == middle)
     bent = changed(cells, middle, mean=mean + 0.1)
     assert fit_cells(bent)[shoe.index(ONE)].residual_std > 0.5
+
+
+def test_exchanged_weights_are_named_and_refused() -> None:
+    shoe = nao_shoe()
+    cells = read_cells(shoe, some_law(shoe), (1.0, 2.0))
+    assert check_lines(fit_cells(cells)) == []
+    loads = [Load(0, ONE, mass) for mass in (1.0, 2.0)]
+    light, heavy = (
+        next(entry.mean for entry in cells.entries if entry.load == load) for load in loads
+    )
+    other = changed(changed(cells, loads[0], mean=heavy), loads[1], mean=light)
+    (finding,) = check_lines(fit_cells(other))
+    assert finding.verdict == "FAIL"
+    assert "about its line, and does not with 1 and 2 kg exchanged" in finding.reason
+    # What bends a line a little is no exchange.
+    (finding,) = check_lines(fit_cells(changed(cells, loads[0], mean=light + 0.03)))
+    assert finding.verdict == "WARN"
+    assert "exchanged" not in finding.reason
 
 
 # ---- refused ----------------------------------------------------------------------------------
