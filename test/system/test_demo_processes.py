@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from shoecal_core.recording.session import Session
+from shoecal_core.recording.writer import PART
 from shoecal_core.workspace import ros_environment
 
 DATA = Path(__file__).parents[1] / "data"
@@ -103,6 +104,8 @@ def demo(tmp_path: Path) -> Iterator[Demo]:
 
 def test_an_interrupted_demo_leaves_nothing_running(demo: Demo) -> None:
     demo.until(lambda: "moving, run 1 " in demo.output)
+    # A thread of its own makes the file.
+    demo.until(lambda: list(demo.out.rglob(f"run_*{PART}")))
     demo.process.send_signal(signal.SIGINT)
     assert demo.end() == 130
     assert demo.output.splitlines()[-1] == "demo: interrupted; the nodes have been stopped"

@@ -6,6 +6,7 @@ adapter is to move it, it begins once that one knows it, so that no command is l
 
 from __future__ import annotations
 
+import faulthandler
 import importlib
 import math
 import signal
@@ -27,6 +28,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from ros.bodies import nao
 from ros.introduction import Introduction
+from shoecal_ros.common.process import DEADLINE_S
 
 PERIOD_S = 0.02
 ASKED_TO_END = threading.Event()
@@ -271,6 +273,8 @@ def main() -> None:
     executor.add_node(robot)
     while not ASKED_TO_END.is_set():
         executor.spin_once(timeout_sec=0.1)
+    # The middleware may hang in its destructors, see `middleware_failed`.
+    faulthandler.dump_traceback_later(DEADLINE_S, exit=True)
     executor.shutdown()
     robot.destroy_node()
     rclpy.shutdown()
