@@ -20,6 +20,7 @@ from shoecal_core.screening.blocks import blocks
 from shoecal_core.screening.carrying import MovingFoot, describe_moving_feet
 from shoecal_core.screening.clocks import describe_clock_rate, describe_time_offset
 from shoecal_core.screening.disturbed import FAST_MOTIONS
+from shoecal_core.screening.exchanged_runs import describe_exchanged_runs, exchanged_runs
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.imu import describe_imu, wrong_imu
 from shoecal_core.screening.result import LeftOut, Screening, describe_left_out
@@ -91,6 +92,11 @@ def screen(
         number: one for number, one in aligned.items() if runs[number].info.support is not None
     }
     if not soles:  # else what the legs say of the CoP is wrong
+        # Exchanged feet look like stuck cells, other weights and other gains.
+        parts = {run: blocks(within_range(shoe, one), shoe) for run, one in double.items()}
+        found = found.adding(describe_exchanged_runs(exchanged_runs(shoe, parts, weight, settings)))
+        if found.fails:
+            return found
         walks = {number: one for number, one in aligned.items() if number not in double}
         units = other_units(shoe, double, weight, settings) or units_of_walks(shoe, walks, weight)
         found = found.adding(describe_units(shoe, units))

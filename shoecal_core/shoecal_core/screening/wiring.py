@@ -85,7 +85,7 @@ def check_wiring(
         weight: of robot and shoes [N].
     """
     right = np.arange(len(shoe.names))
-    places = [right, *(_exchanged(right, pairs) for pairs in exchanges(shoe))]
+    places = [right, *(exchanged(right, pairs) for pairs in exchanges(shoe))]
     tried = [_without_each(runs, place, information, weight, settings) for place in places]
     best = int(np.argmin([one.fits[0].cost for one in tried]))
     least = settings.cop_std_m
@@ -198,7 +198,8 @@ def _better(one: _Tried, other: _Tried, least: float) -> bool:
     )
 
 
-def _exchanged(order: IntArray, pairs: list[tuple[int, int]]) -> IntArray:
+def exchanged(order: IntArray, pairs: list[tuple[int, int]]) -> IntArray:
+    """(n,) the order (n,) with these pairs of places exchanged."""
     changed = order.copy()
     for one, other in pairs:
         changed[[one, other]] = order[[other, one]]
