@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.screening.blocks import Blocks
 from shoecal_core.screening.noise import spread
 from shoecal_core.screening.settings import CalibrationSettings
@@ -61,6 +61,10 @@ class Equations:
     def with_columns(self, columns: FloatArray) -> Equations:
         """The same with further unknowns, whose columns (3, B, k) are whitened."""
         return replace(self, matrix=np.concatenate((self.matrix, columns), axis=2))
+
+    def part(self, part: BoolArray) -> Equations:
+        """Those of the blocks marked in `part` (B,)."""
+        return Equations(self.matrix[:, part], self.target[:, part], self.weight[part])
 
     def sums(self) -> NormalEquations:
         """Over all blocks."""

@@ -1,7 +1,8 @@
-"""Cells with flat tops, be it below the end of their converter's range.
+"""Cells with flat tops or bottoms, be it within their converter's range.
 
 A cell that stays at its own extreme while force is missing there, in the direction in which it
-would have gone on, has reached an end.
+would have gone on, has reached an end. The end on the side of little load is that of a cell that
+its screw preloads, or of an amplifier whose zero is too low.
 """
 
 from __future__ import annotations
@@ -17,12 +18,13 @@ from shoecal_core.recording.schemas import SATURATED
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.screening.blocks import Blocks, ReadingBlocks
 from shoecal_core.screening.faults import Fault
-from shoecal_core.screening.following import StuckBlocks
+from shoecal_core.screening.following import StuckBlocks, neighbours
 from shoecal_core.screening.noise import spread
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.screening.unresponsive import joined
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.wrench import ChannelParameters
 
 USELESS_SHARE, USELESS_END_SHARE = 0.01, 0.2
 """A channel that is saturated for more of the time is no use: unknown to its device, and known."""
@@ -42,6 +44,9 @@ SCATTER_STDS = 2.5
 the cell is away from its extreme, for one visit there; of several visits the mean counts."""
 LEAST_S = 0.6
 """Time at the extreme from which missing force counts [s]."""
+NEIGHBOURS_SHARE = 0.5
+"""Of its range, that a neighbour goes through while a cell at its end stays there: preloaded ones
+came to 0.98 and more. While a sound cell turns round, or its foot hangs, it is 0.02."""
 
 
 @dataclass(frozen=True)
@@ -51,14 +56,18 @@ class Saturated:
     Attributes:
         channel: index.
         level: the end, as it reads.
+        side: 1.0 where it is the largest of its readings, -1.0 where it is the least.
         missing: force that is missing there at times [N].
         share: of all blocks.
+        force: what the end reads, roughly; NaN where that is not known [N].
     """
 
     channel: int
     level: float
+    side: float
     missing: float
     share: float
+    force: float = float("nan")
 
 
 def at_ends(shoe: Shoe, values: FloatArray) -> BoolArray:
@@ -114,22 +123,42 @@ def ended(runs: Mapping[int, ReadingBlocks], found: Sequence[StuckBlocks]) -> li
         if np.max(side * (values - level)) < BEYOND_SHARE * np.max(side * expected):
             noise = max(float(blocks.noise[stuck.channel]) for blocks in runs.values())
             share = float(np.mean(np.abs(values - level) <= AT_END_STDS * noise))
-            at_end.append(Saturated(stuck.channel, level, float("nan"), share))
+            at_end.append(Saturated(stuck.channel, level, side, float("nan"), share))
     return at_end
+
+
+def flat(shoe: Shoe, runs: Mapping[int, Blocks]) -> dict[int, BoolArray]:
+    """(B,) by run, blocks in which a cell stays at its extreme while a neighbour goes on.
+
+    They say nothing of the cell's gain; of one that is there for most of the time, they would.
+    """
+    readings = joined(runs)
+    noise = np.max([blocks.noise for blocks in runs.values()], axis=0)
+    everything = np.zeros(len(readings), dtype=bool)
+    for channel in np.flatnonzero(shoe.vertical):
+        near = readings[:, [k for k in neighbours(shoe, channel) if shoe.vertical[k]]]
+        values = readings[:, channel]
+        for level in (values.min(), values.max()):
+            there = np.abs(values - level) <= AT_END_STDS * noise[channel]
+            if np.any(np.ptp(near[there], axis=0) > NEIGHBOURS_SHARE * np.ptp(near, axis=0)):
+                everything |= there
+    ends = np.cumsum([len(blocks.time) for blocks in runs.values()])[:-1]
+    return dict(zip(runs, np.split(everything, ends), strict=True))
 
 
 def saturated(
     runs: Mapping[int, Blocks],
     force_error: Mapping[int, FloatArray],
-    gain: FloatArray,
+    parameters: ChannelParameters,
     settings: CalibrationSettings,
 ) -> list[Saturated]:
     """Every channel with a flat top or bottom.
 
     Args:
         force_error: (B,) measured less expected force of each run's blocks [N].
-        gain: (n,) of each channel, roughly.
+        parameters: gains and offsets of the n channels, roughly.
     """
+    gain = parameters.gain
     readings = np.concatenate([blocks.readings for blocks in runs.values()])
     noise = np.max([blocks.noise for blocks in runs.values()], axis=0)
     # A run under another weight is off all the time.
@@ -149,7 +178,9 @@ def saturated(
             scatter = 0.0 if there.all() else float(spread(error[~there]))
             visits = 1 + int(np.count_nonzero(np.diff(np.flatnonzero(there)) > 1))
             if missing > max(least, SCATTER_STDS * scatter / np.sqrt(visits)):
-                found.append(Saturated(channel, level, missing, float(there.mean())))
+                force = float(gain[channel] * level + parameters.offset[channel])
+                share = float(there.mean())
+                found.append(Saturated(channel, level, side, missing, share, force))
     return found
 
 
@@ -158,14 +189,27 @@ def describe_saturated(shoe: Shoe, found: Sequence[Saturated]) -> list[Finding]:
     return [
         Finding(
             "FAIL" if one.share > USELESS_SHARE else "WARN",
-            f"{shoe.names[one.channel]} is saturated: it goes no further than {one.level:.6g} "
-            f"{shoe.unit}, where it is for {one.share:.1%} of the time"
-            f"{'' if np.isnan(one.missing) else f', with {one.missing:.1f} N missing'}: lower its "
-            "amplification",
+            f"{shoe.names[one.channel]} {_end(shoe, one)}",
             Fault.SATURATED,
         )
         for one in found
     ]
+
+
+def _end(shoe: Shoe, one: Saturated) -> str:
+    level = f"{one.level:.6g} {shoe.unit}"
+    if shoe.vertical[one.channel] and one.side * shoe.polarity[one.channel] < 0.0:
+        force = "" if np.isnan(one.force) else f" (about {one.force:.1f} N)"
+        return (
+            f"does not answer to low load: it stays at {level}{force} for {one.share:.1%} of the "
+            "time: it is preloaded, by its screw or the shoe, or its amplifier ends there; loosen "
+            "its screw, or move its amplifier's zero, then record again"
+        )
+    missing = "" if np.isnan(one.missing) else f", with {one.missing:.1f} N missing"
+    return (
+        f"is saturated: it goes no further than {level}, where it is for {one.share:.1%} of the "
+        f"time{missing}: lower its amplification"
+    )
 
 
 def describe_ends(shoe: Shoe, ends: BoolArray, readings: FloatArray) -> list[Finding]:

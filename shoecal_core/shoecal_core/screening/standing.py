@@ -30,6 +30,7 @@ from shoecal_core.screening.saturated import (
     Saturated,
     at_ends,
     describe_saturated,
+    flat,
     saturated,
     within_range,
 )
@@ -94,6 +95,10 @@ def screen_standing(
     several = len(aligned) > 1
     rows = {run: equations(one, weight, settings) for run, one in parts.items()}
     watched = {run for run, lift in lifting.items() if lift is None} - {*fast, *hanging}
+    at_end = flat(shoe, parts)
+    flats = _flat(shoe, rows, parts, at_end, information, settings)
+    if found.adding(flats).fails:  # else gains and cables seem to be wrong
+        return found.adding(flats)
     wavers = wavering(rows, watched, information, weight, settings)
     if wavers is not None:
         wiring = check_wiring(shoe, parts, information, weight, settings)
@@ -113,11 +118,9 @@ def screen_standing(
     pushed += pulls(rows, parts, watched, information, weight, settings)
     pulled = {one.run: one for one in pushed}
     sound = {run: one for run, one in rows.items() if run not in pulled}
-    fit = solve(reweighed(sound, information), information)
-    missing = {run: settings.force_std_n * one.off(fit.vector)[0] for run, one in rows.items()}
     # With gains of a single run, a pull on the other one looks like a cell at its end.
     checked = sound if any(one.undecided for one in pulled.values()) else rows
-    ended = saturated({run: parts[run] for run in checked}, missing, fit.parameters.gain, settings)
+    ended = _ended(sound, checked, parts, at_end, information, settings)
     found = found.adding(describe_saturated(shoe, ended))
     if found.fails:
         return found
@@ -145,6 +148,40 @@ def screen_standing(
         else:
             found = _leaving_out_all(found, run, one)
     return found
+
+
+def _ended(
+    sound: Mapping[int, Equations],
+    checked: Mapping[int, Equations],
+    parts: Mapping[int, Blocks],
+    at_end: Mapping[int, BoolArray],
+    information: FloatArray,
+    settings: CalibrationSettings,
+) -> list[Saturated]:
+    """Channels with an end in the runs that are checked, by gains of the sound ones.
+
+    Args:
+        at_end: (B,) blocks of each run that say nothing of the gains, see `flat`.
+        information: (2n,) prior, of gains and offsets.
+    """
+    going = {run: one.part(~at_end[run]) for run, one in sound.items() if not at_end[run].all()}
+    fit = solve(reweighed(going, information), information)
+    missing = {run: settings.force_std_n * one.off(fit.vector)[0] for run, one in checked.items()}
+    return saturated({run: parts[run] for run in checked}, missing, fit.parameters, settings)
+
+
+def _flat(
+    shoe: Shoe,
+    rows: Mapping[int, Equations],
+    parts: Mapping[int, Blocks],
+    at_end: Mapping[int, BoolArray],
+    information: FloatArray,
+    settings: CalibrationSettings,
+) -> list[Finding]:
+    """Channels that have an end, where one stays there while its neighbours go on."""
+    if not any(one.any() for one in at_end.values()):
+        return []
+    return describe_saturated(shoe, _ended(rows, rows, parts, at_end, information, settings))
 
 
 def _electrical(

@@ -58,9 +58,23 @@ def stuck(whole: Recording, rng: np.random.Generator) -> Recording:
 
 
 def saturated(whole: Recording, rng: np.random.Generator) -> Recording:
+    side = float(np.sign(whole.parameters.gain[2]))
     everything = np.concatenate([one.readings[:, 2] for one in whole.aligned.values()])
-    level = np.quantile(everything, rng.uniform(0.75, 0.95))
-    return whole.with_channel(2, lambda _, one: np.minimum(one, level))
+    level = np.quantile(side * everything, rng.uniform(0.75, 0.95))
+    return whole.with_channel(2, lambda _, one: side * np.minimum(side * one, level))
+
+
+def preloaded(whole: Recording, rng: np.random.Generator) -> Recording:
+    """For a seventh of the time, or for most of it."""
+    side = float(np.sign(whole.parameters.gain[2]))
+    everything = np.concatenate([one.readings[:, 2] for one in whole.aligned.values()])
+    level = np.quantile(side * everything, rng.choice([0.15, 0.7]))
+
+    def held(_: int, one: FloatArray) -> FloatArray:
+        trembling = np.std(np.diff(one, n=2)) / np.sqrt(6.0) * rng.standard_normal(len(one))
+        return np.asarray(np.where(side * one > level, one, side * level + trembling))
+
+    return whole.with_channel(2, held)
 
 
 def inverted(whole: Recording, rng: np.random.Generator) -> Recording:
@@ -82,6 +96,7 @@ def swapped(whole: Recording, rng: np.random.Generator) -> Recording:
         (dead, Fault.DEAD, "does not answer to load: check its cable"),
         (stuck, Fault.STUCK, "is stuck at"),
         (saturated, Fault.SATURATED, "is saturated: it goes no further than"),
+        (preloaded, Fault.SATURATED, "does not answer to low load: it stays at"),
         (inverted, Fault.INVERTED, "is inverted: its sign is against the shoe file"),
         (swapped, Fault.SWAPPED, "are swapped"),
     ],
