@@ -16,6 +16,7 @@ class Fault(Enum):
     UNIT = "unit"
     DEAD = "dead"
     STUCK = "stuck"
+    CODES = "codes"
     SATURATED = "saturated"
     INVERTED = "inverted"
     SWAPPED = "swapped"

@@ -135,7 +135,7 @@ def flat(shoe: Shoe, runs: Mapping[int, Blocks]) -> dict[int, BoolArray]:
     readings = joined(runs)
     noise = np.max([blocks.noise for blocks in runs.values()], axis=0)
     everything = np.zeros(len(readings), dtype=bool)
-    for channel in np.flatnonzero(shoe.vertical):
+    for channel in np.flatnonzero(shoe.vertical).tolist():
         near = readings[:, [k for k in neighbours(shoe, channel) if shoe.vertical[k]]]
         values = readings[:, channel]
         for level in (values.min(), values.max()):

@@ -19,6 +19,12 @@ from shoecal_core.screening.angle_steps import describe_steps, without_motion
 from shoecal_core.screening.blocks import blocks
 from shoecal_core.screening.carrying import MovingFoot, describe_moving_feet
 from shoecal_core.screening.clocks import describe_clock_rate, describe_time_offset
+from shoecal_core.screening.codes import (
+    dead_bands,
+    describe_dead_bands,
+    describe_missing_codes,
+    missing_codes,
+)
 from shoecal_core.screening.disturbed import FAST_MOTIONS
 from shoecal_core.screening.exchanged_runs import describe_exchanged_runs, exchanged_runs
 from shoecal_core.screening.faults import Fault
@@ -88,6 +94,11 @@ def screen(
     if not runs:
         return found
     found = found.adding(describe_twins(find_twins(runs)))
+    # Jumps and held values look like every fault of cells and clocks.
+    found = found.adding(describe_missing_codes(shoe, missing_codes(runs)))
+    found = found.adding(describe_dead_bands(shoe, dead_bands(runs)))
+    if found.fails:
+        return found
     double = {
         number: one for number, one in aligned.items() if runs[number].info.support is not None
     }
