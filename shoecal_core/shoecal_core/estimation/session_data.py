@@ -38,6 +38,7 @@ from shoecal_core.screening.screen import screen
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.screening.smoothed import smoothed_by
 from shoecal_core.screening.soles import Soles, open_soles
+from shoecal_core.screening.unmoved import describe_unmoved, unmoved_joint
 from shoecal_core.shoe.shoe import Shoe
 
 
@@ -212,6 +213,7 @@ def load_data(
         screening = screen(
             loaded, there, shoe, robot.weight, settings, late, soles, rate, moving, smoothed, step
         )
+        screening = _with_unmoved(screening, loaded, there, shoe, kinematics, settings)
     stances: dict[int, tuple[Stance, ...]] = dict.fromkeys(read, ())
     zeros: list[Zero] = []
     for number, run in read.items():
@@ -235,6 +237,21 @@ def load_data(
         weighed=weigh(shoe, {number: aligned[number].readings for number in loaded}, zeros),
         problems=problems or {},
     )
+
+
+def _with_unmoved(
+    screening: Screening,
+    runs: Mapping[int, Run],
+    aligned: Mapping[int, Aligned],
+    shoe: Shoe,
+    kinematics: Kinematics,
+    settings: CalibrationSettings,
+) -> Screening:
+    """A screening with the joint above the legs that does not move, where all else is sound."""
+    if screening.fails:
+        return screening
+    there = {run: aligned[run] for run, one in runs.items() if one.info.support is not None}
+    return screening.adding(describe_unmoved(unmoved_joint(there, shoe, kinematics, settings)))
 
 
 @contextmanager

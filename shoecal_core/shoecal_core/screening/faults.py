@@ -36,4 +36,5 @@ class Fault(Enum):
     LATE = "late"
     SLOW = "slow"
     SMOOTHED = "smoothed"
+    UNMOVED = "unmoved"
     COARSE_ANGLES = "coarse_angles"
