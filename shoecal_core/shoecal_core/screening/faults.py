@@ -17,6 +17,7 @@ class Fault(Enum):
     DEAD = "dead"
     STUCK = "stuck"
     CODES = "codes"
+    HUM = "hum"
     SATURATED = "saturated"
     INVERTED = "inverted"
     SWAPPED = "swapped"

@@ -19,6 +19,7 @@ from shoecal_core.screening.closure import FootMotion, Slipped, describe_slips, 
 from shoecal_core.screening.disturbed import disturbed
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.hanging import both_hang, without
+from shoecal_core.screening.hum import describe_hum, find_hum
 from shoecal_core.screening.leaking import describe_leaking, leaking
 from shoecal_core.screening.noise import noise
 from shoecal_core.screening.pulled import Pull, describe_pulls, describe_wavering, pulls, wavering
@@ -96,9 +97,10 @@ def screen_standing(
     rows = {run: equations(one, weight, settings) for run, one in parts.items()}
     watched = {run for run, lift in lifting.items() if lift is None} - {*fast, *hanging}
     at_end = flat(shoe, parts)
-    flats = _flat(shoe, rows, parts, at_end, information, settings)
-    if found.adding(flats).fails:  # else gains and cables seem to be wrong
-        return found.adding(flats)
+    early = _flat(shoe, rows, parts, at_end, information, settings)
+    early += describe_hum(find_hum(rows, parts, watched, information, settings))
+    if found.adding(early).fails:  # else gains and cables seem to be wrong
+        return found.adding(early)
     wavers = wavering(rows, watched, information, weight, settings)
     if wavers is not None:
         wiring = check_wiring(shoe, parts, information, weight, settings)
