@@ -42,6 +42,9 @@ FINER = 4.0
 of a coarse converter 1, since its step is both."""
 LEAST_VALUES = 20
 """Different values of a channel from which their distance is known."""
+LEAST_CODES = 5
+"""Different values on either side of a gap: a sensor that answers from a threshold on, as force
+sensing resistors do, has one below it."""
 NOTABLE_BAND, LARGEST_BAND = 0.01, 0.05
 """Dead bands over a channel's range: less than the first is not reported, from the second on the
 recording is refused. A held value is off by up to the band, evenly: by 0.6 of it (RMS), so
@@ -106,6 +109,8 @@ def _gaps(parts: Sequence[FloatArray]) -> list[tuple[float, float, int]]:
     found = []
     for at in np.flatnonzero(np.diff(inner) > width):
         low, high = float(inner[at]), float(inner[at + 1])
+        if min(len(np.unique(inner[: at + 1])), len(np.unique(inner[at + 1 :]))) < LEAST_CODES:
+            continue
         across = (least <= low) & (most >= high)
         slack = EDGE * (high - low)
         tight = int((across & (least >= low - slack) & (most <= high + slack)).sum())

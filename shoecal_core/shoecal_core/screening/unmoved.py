@@ -122,9 +122,9 @@ def describe_unmoved(found: Unmoved | None) -> list[Finding]:
     return [
         Finding(
             "FAIL",
-            f"{found.joint} does not move as its angles say: {100.0 * found.share:.0f} +- "
+            f"{found.joint} does not move as its angles say: {100.0 * found.share:.0f} ± "
             f"{200.0 * found.std:.0f} % of its motion, which moves the modelled CoM by "
-            f"{1e3 * found.size:.0f} mm, are missing in the CoP; see that its motor is on, that "
+            f"{1e3 * found.size:.0f} mm, is missing in the CoP; see that its motor is on, that "
             "measured angles are recorded and not commands, and that its links' masses are right, "
             "then record again",
             Fault.UNMOVED,

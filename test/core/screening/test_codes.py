@@ -76,6 +76,14 @@ def test_coarse_converters_and_slow_ones_are_sound(bits: int) -> None:
         assert dead_bands(one.runs) == []
 
 
+def test_a_sensor_that_answers_from_a_threshold_on_lacks_no_codes() -> None:
+    def answers(_: int, values: FloatArray) -> FloatArray:
+        low, high = values.min(), values.max()
+        return np.where(values < low + 0.3 * (high - low), low, values)
+
+    assert missing_codes(recording(6).with_channel(0, answers).runs) == []
+
+
 def test_spikes_and_steps_of_load_lack_no_codes() -> None:
     def hit(_: int, values: FloatArray) -> FloatArray:
         values[::200] += 2.0
