@@ -29,15 +29,12 @@ from shoecal_core.samples.sampling import make_samples
 from shoecal_core.samples.settings import SampleSettings
 from shoecal_core.samples.stance import Stance
 from shoecal_core.samples.zeros import Zero
-from shoecal_core.screening.angle_steps import coarse_step
-from shoecal_core.screening.carrying import MovingFoot, moving_feet
-from shoecal_core.screening.clocks import clock_rate, cop_tracks, time_offset
 from shoecal_core.screening.extract import stances_of, zeros_of
+from shoecal_core.screening.legs import Legs, examine_legs
 from shoecal_core.screening.result import Screening
 from shoecal_core.screening.screen import screen
 from shoecal_core.screening.settings import CalibrationSettings
-from shoecal_core.screening.smoothed import smoothed_by
-from shoecal_core.screening.soles import Soles, open_soles
+from shoecal_core.screening.timing import timing_of
 from shoecal_core.screening.unmoved import describe_unmoved, unmoved_joint
 from shoecal_core.shoe.shoe import Shoe
 
@@ -188,36 +185,23 @@ def load_data(
             read[number] = run
     loaded = {number: run for number, run in read.items() if not run.info.hanging}
     aligned, screening = recorded, Screening()
-    soles: dict[int, Soles] = {}
-    moving: dict[int, MovingFoot] = {}
+    legs = Legs()
     if settings is not None:
-        standing = {
-            number: recorded[number] for number, run in read.items() if run.info.support is not None
-        }
-        tracks = cop_tracks(standing, shoe, robot.weight, settings)
-        late = time_offset(tracks)
-        starts = {number: run.start_ns / 1e9 for number, run in read.items()}
-        smoothed = smoothed_by(tracks)
-        # What a filter leaves of the CoP drifts against the model as a clock's does.
-        rate = 0.0 if smoothed else clock_rate(starts, tracks)
-        if late != 0.0:
+        timing = timing_of(read, recorded, shoe, robot.weight, settings)
+        if timing.late != 0.0:
             aligned = {}
             for number, run in read.items():
                 with noting(problems, number):
-                    aligned[number] = align(run, shoe, kinematics, late_s=late)
+                    aligned[number] = align(run, shoe, kinematics, late_s=timing.late)
             read, loaded = ({n: runs[n] for n in aligned} for runs in (read, loaded))
         there = {number: aligned[number] for number in loaded}
-        soles = open_soles(loaded, there, shoe, kinematics)
-        moving = moving_feet(loaded, there, shoe, robot)
-        step = coarse_step(loaded.values(), robot.leg_names, settings)
-        screening = screen(
-            loaded, there, shoe, robot.weight, settings, late, soles, rate, moving, smoothed, step
-        )
+        legs = examine_legs(loaded, there, shoe, kinematics, settings)
+        screening = screen(loaded, there, shoe, robot.weight, settings, timing, legs)
         screening = _with_unmoved(screening, loaded, there, shoe, kinematics, settings)
     stances: dict[int, tuple[Stance, ...]] = dict.fromkeys(read, ())
     zeros: list[Zero] = []
     for number, run in read.items():
-        if soles or moving:
+        if legs.wrong:
             # The screening refuses them; what joint angles say of such a robot is wrong.
             break
         with noting(problems, number):

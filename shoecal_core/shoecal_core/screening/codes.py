@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shoecal_core.arrays import FloatArray
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.recording.run import Run
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.noise import noise
@@ -86,24 +86,44 @@ class DeadBand:
 
 
 def missing_codes(runs: Mapping[int, Run]) -> list[MissingCodes]:
-    """Channels with gaps in their codes; of each the one that is crossed most."""
+    """Channels with gaps in their codes; of each the one that is crossed most.
+
+    A foot that is put down lets all its channels jump at once, a converter lets its own alone.
+    """
+    values = [run.readings.value for run in runs.values()]
+    steps = np.concatenate([np.abs(np.diff(one, axis=0)) for one in values])
+    known = np.isfinite(steps)
+    usual = np.array(
+        [np.quantile(own[there], USUAL) if there.any() else np.inf
+         for own, there in zip(steps.T, known.T, strict=True)]
+    )  # fmt: skip
+    jumps = steps > LEAST_GAP * usual
     found = []
-    for channel, parts in enumerate(_by_channel(runs)):
-        gaps = [MissingCodes(channel, *gap) for gap in _gaps(parts)]
+    for channel in range(steps.shape[1]):
+        alone = known[:, channel] & ~np.delete(jumps, channel, axis=1).any(axis=1)
+        parts = [one[:, channel] for one in values]
+        gaps = [MissingCodes(channel, *gap) for gap in _gaps(parts, alone, float(usual[channel]))]
         if gaps:
             found.append(max(gaps, key=lambda one: one.crossings))
     return found
 
 
-def _gaps(parts: Sequence[FloatArray]) -> list[tuple[float, float, int]]:
-    """Edges of gaps in a channel's values, each run's (T,), and steps from edge to edge."""
-    values = np.sort(np.concatenate(parts))
+def _gaps(
+    parts: Sequence[FloatArray], alone: BoolArray, usual: float
+) -> list[tuple[float, float, int]]:
+    """Edges of gaps in a channel's values, each run's (T,), and steps from edge to edge.
+
+    Args:
+        alone: (S,) of all runs' steps, at which no other channel jumps.
+        usual: size of a step.
+    """
+    values = np.sort(np.concatenate([one[np.isfinite(one)] for one in parts]))
     side = round(SIDE_SHARE * len(values))
     inner = values[side : len(values) - side]
     if len(inner) < LEAST_VALUES:
         return []
     before, after = (np.concatenate([one[part] for one in parts]) for part in (_BEFORE, _AFTER))
-    usual = float(np.quantile(np.abs(after - before), USUAL))
+    before, after = before[alone], after[alone]
     width = LEAST_GAP * max(usual, *(float(noise(one[:, None])[0]) for one in parts))
     least, most = np.minimum(before, after), np.maximum(before, after)
     found = []

@@ -102,7 +102,7 @@ def describe_hum(found: Hum | None) -> list[Finding]:
         return []
     return [
         Finding(
-            "FAIL",
+            "WARN",
             f"the readings oscillate at {found.frequency:.2f} Hz in all runs, by "
             f"{found.amplitude:.2f} N of the vertical force, whatever the robot does: hum of the "
             "mains (50 or 60 Hz, aliased) or another disturbance; shield the cables, ground the "

@@ -16,8 +16,8 @@ from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.lifting import detect_lifted_foot
 from shoecal_core.samples.stretches import JOIN_S, stretches
 from shoecal_core.screening.angle_steps import describe_steps, without_motion
-from shoecal_core.screening.blocks import blocks
-from shoecal_core.screening.carrying import MovingFoot, describe_moving_feet
+from shoecal_core.screening.blocks import Blocks, blocks
+from shoecal_core.screening.carrying import describe_moving_feet
 from shoecal_core.screening.clocks import describe_clock_rate, describe_time_offset
 from shoecal_core.screening.codes import (
     dead_bands,
@@ -29,6 +29,7 @@ from shoecal_core.screening.disturbed import FAST_MOTIONS
 from shoecal_core.screening.exchanged_runs import describe_exchanged_runs, exchanged_runs
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.imu import describe_imu, wrong_imu
+from shoecal_core.screening.legs import Legs
 from shoecal_core.screening.result import LeftOut, Screening, describe_left_out
 from shoecal_core.screening.saturated import (
     at_ends_or_marked,
@@ -39,8 +40,9 @@ from shoecal_core.screening.saturated import (
 )
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.screening.smoothed import describe_smoothed
-from shoecal_core.screening.soles import Soles, describe_soles
+from shoecal_core.screening.soles import describe_soles
 from shoecal_core.screening.standing import screen_standing
+from shoecal_core.screening.timing import Timing
 from shoecal_core.screening.twins import describe_twins, find_twins
 from shoecal_core.screening.units import describe_units, other_units, units_of_walks
 from shoecal_core.screening.unresponsive import (
@@ -62,12 +64,8 @@ def screen(
     shoe: Shoe,
     weight: float,
     settings: CalibrationSettings,
-    time_offset: float = 0.0,
-    soles: Mapping[int, Soles] | None = None,
-    clock_rate: float = 0.0,
-    moving: Mapping[int, MovingFoot] | None = None,
-    smoothed: float = 0.0,
-    step: float = 0.0,
+    timing: Timing = Timing(),  # noqa: B008 - it cannot change
+    legs: Legs = Legs(),  # noqa: B008 - nor can it
 ) -> Screening:
     """Look for every fault.
 
@@ -77,17 +75,13 @@ def screen(
         runs: by number.
         aligned: the same with the model's values.
         weight: of robot and shoes [N].
-        time_offset: by which the joints were late before they were aligned [s].
-        soles: that are not level, by run.
-        clock_rate: by which the readings' clock runs faster than the joints', as a share.
-        moving: feet that do not stay while they carry a walking robot, by run.
-        smoothed: standard deviation of the filter that the readings went through [s].
-        step: of the joint angles, where it is coarse [rad].
+        timing: before the runs were aligned.
+        legs: what is wrong with their angles.
     """
     runs, aligned = dict(sorted(runs.items())), dict(sorted(aligned.items()))
     found = Screening(
-        findings=() if clock_rate else tuple(describe_time_offset(time_offset)),
-        time_offset=time_offset,
+        findings=() if timing.clock_rate else tuple(describe_time_offset(timing.late)),
+        time_offset=timing.late,
         samples={number: len(run.readings.time) for number, run in runs.items()},
         left_out=_lost(runs, aligned, shoe),
     )
@@ -102,10 +96,12 @@ def screen(
     double = {
         number: one for number, one in aligned.items() if runs[number].info.support is not None
     }
-    if not soles:  # else what the legs say of the CoP is wrong
+    parts = {number: blocks(within_range(shoe, one), shoe) for number, one in aligned.items()}
+    if not legs.soles:  # else what the legs say of the CoP is wrong
         # Exchanged feet look like stuck cells, other weights and other gains.
-        parts = {run: blocks(within_range(shoe, one), shoe) for run, one in double.items()}
-        found = found.adding(describe_exchanged_runs(exchanged_runs(shoe, parts, weight, settings)))
+        standing = {number: parts[number] for number in double}
+        exchanged = exchanged_runs(shoe, standing, weight, settings)
+        found = found.adding(describe_exchanged_runs(exchanged))
         if found.fails:
             return found
         walks = {number: one for number, one in aligned.items() if number not in double}
@@ -113,14 +109,15 @@ def screen(
         found = found.adding(describe_units(shoe, units))
     if found.fails:
         return found
-    found = found.adding(describe_left_out(found.left_out) + _cells(runs, aligned, shoe))
-    found = found.adding(describe_steps(step, settings) + describe_soles(soles or {}))
+    found = found.adding(describe_left_out(found.left_out) + _cells(runs, parts, shoe))
+    found = found.adding(describe_steps(legs.step, settings) + describe_soles(legs.soles))
     if not found.fails:  # else a dead foot seems to carry never or always
-        found = found.adding(describe_moving_feet(moving or {}))
-    if not soles:  # else the legs say nothing about the IMU
+        found = found.adding(describe_moving_feet(legs.moving))
+    if not legs.soles:  # else the legs say nothing about the IMU
         found = found.adding(describe_imu(wrong_imu(runs, double)))
     if not found.fails:  # else what the CoP shows of filter and clocks is that fault's
-        found = found.adding(describe_smoothed(smoothed) + describe_clock_rate(clock_rate))
+        found = found.adding(describe_smoothed(timing.smoothed))
+        found = found.adding(describe_clock_rate(timing.clock_rate))
     if found.fails or not double:
         return found
     lifting = {
@@ -128,7 +125,7 @@ def screen(
     }
     fast = {number for number in double if runs[number].info.motion in FAST_MOTIONS}
     whole = screen_standing(found, double, lifting, fast, shoe, weight, settings)
-    return replace(whole, findings=without_motion(whole.findings)) if step else whole
+    return replace(whole, findings=without_motion(whole.findings)) if legs.step else whole
 
 
 def _lost(
@@ -159,10 +156,9 @@ def _lost(
     return tuple(lost)
 
 
-def _cells(runs: Mapping[int, Run], aligned: Mapping[int, Aligned], shoe: Shoe) -> list[Finding]:
+def _cells(runs: Mapping[int, Run], parts: Mapping[int, Blocks], shoe: Shoe) -> list[Finding]:
     """Faults of single cells, for which no model is needed."""
     ends = np.concatenate([at_ends_or_marked(shoe, run.readings) for run in runs.values()])
-    parts = {number: blocks(within_range(shoe, one), shoe) for number, one in aligned.items()}
     silent = dead(shoe, parts)
     found = stuck_channels(shoe, parts, silent)
     at_end = ended(parts, found)

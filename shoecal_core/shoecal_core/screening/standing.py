@@ -98,7 +98,6 @@ def screen_standing(
     watched = {run for run, lift in lifting.items() if lift is None} - {*fast, *hanging}
     at_end = flat(shoe, parts)
     early = _flat(shoe, rows, parts, at_end, information, settings)
-    early += describe_hum(find_hum(rows, parts, watched, information, settings))
     if found.adding(early).fails:  # else gains and cables seem to be wrong
         return found.adding(early)
     wavers = wavering(rows, watched, information, weight, settings)
@@ -129,6 +128,9 @@ def screen_standing(
     wrong = wrong_weights(sound, information, settings)
     found = found.adding(describe_pulls(list(pulled.values())))
     found = found.adding(describe_weights(wrong))
+    # With hum left to the last: what else varies the force is likelier.
+    hum = None if found.fails else find_hum(rows, parts, watched, information, settings)
+    found = found.adding(describe_hum(hum))
     if found.fails:
         return found
     fitting = {run: one for run, one in rows.items() if run not in {one.run for one in wrong}}

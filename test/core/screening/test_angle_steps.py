@@ -11,6 +11,7 @@ from core.screening.recordings import SETTINGS, WEIGHT, recording
 from shoecal_core.recording.run import JointSamples, Run
 from shoecal_core.screening.angle_steps import coarse_step, describe_steps, without_motion
 from shoecal_core.screening.faults import Fault
+from shoecal_core.screening.legs import Legs
 from shoecal_core.screening.screen import screen
 from shoecal_core.screening.verdict import Finding
 
@@ -61,5 +62,5 @@ def test_steps_are_told_in_place_of_motion() -> None:
         describe_steps(0.005, SETTINGS)
     )
     whole = recording()
-    found = screen(whole.runs, whole.aligned, whole.shoe, WEIGHT, SETTINGS, step=0.01)
+    found = screen(whole.runs, whole.aligned, whole.shoe, WEIGHT, SETTINGS, legs=Legs(step=0.01))
     assert [one.fault for one in found.findings] == [Fault.COARSE_ANGLES]

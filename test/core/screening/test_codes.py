@@ -84,6 +84,14 @@ def test_a_sensor_that_answers_from_a_threshold_on_lacks_no_codes() -> None:
     assert missing_codes(recording(6).with_channel(0, answers).runs) == []
 
 
+def test_a_foot_that_is_put_down_lacks_no_codes() -> None:
+    def stepping(_: int, values: FloatArray) -> FloatArray:
+        down = np.arange(len(values)) % 100 < 50
+        return values + 3.0 * down[:, None] * (np.arange(8) < 4)
+
+    assert missing_codes(recording(6).with_readings(stepping).runs) == []
+
+
 def test_spikes_and_steps_of_load_lack_no_codes() -> None:
     def hit(_: int, values: FloatArray) -> FloatArray:
         values[::200] += 2.0

@@ -14,12 +14,12 @@ from shoecal_core.screening.rough_fit import equations, prior
 from shoecal_core.screening.screen import screen
 
 
-def with_hum(whole: Recording, frequency: float) -> Recording:
-    """0.8 N on each cell of the right foot; each run begins at another phase."""
+def with_hum(whole: Recording, frequency: float, size: float = 0.8) -> Recording:
+    """So many newtons on each cell of the right foot; each run begins at another phase."""
 
     def hum(run: int, values: FloatArray) -> FloatArray:
         phase = 2.0 * np.pi * frequency * np.arange(len(values)) / RATE + run
-        values[:, 4:] += 0.8 * np.sin(phase)[:, None] / whole.parameters.gain[4:]
+        values[:, 4:] += size * np.sin(phase)[:, None] / whole.parameters.gain[4:]
         return values
 
     return whole.with_readings(hum)
@@ -40,7 +40,7 @@ def test_hum_is_found_with_its_frequency(frequency: float) -> None:
 
 
 def test_it_is_named() -> None:
-    whole = with_hum(recording(4, count=4), 0.31)
+    whole = with_hum(recording(4, count=4), 0.31, 0.06)
     (finding,) = screen(whole.runs, whole.aligned, whole.shoe, WEIGHT, SETTINGS).findings
     assert finding.fault is Fault.HUM
     assert finding.reason.startswith("the readings oscillate at 0.31 Hz in all runs")

@@ -18,6 +18,7 @@ from core.screening.test_clocks import fast, late
 from shoecal_core.screening.clocks import cop_tracks
 from shoecal_core.screening.screen import screen
 from shoecal_core.screening.smoothed import HARMLESS_S, describe_smoothed, smoothed_by
+from shoecal_core.screening.timing import Timing
 
 
 def smoothed(whole: Recording, width: float) -> Recording:
@@ -79,7 +80,7 @@ def test_it_is_told_by_what_it_costs() -> None:
     assert not describe_smoothed(0.0)
     assert [one.verdict for one in describe_smoothed(0.5)] == ["WARN"]
     whole = recording()
-    wide = screen(whole.runs, whole.aligned, whole.shoe, WEIGHT, SETTINGS, smoothed=0.8)
+    wide = screen(whole.runs, whole.aligned, whole.shoe, WEIGHT, SETTINGS, Timing(smoothed=0.8))
     (reason,) = (one.reason for one in wide.findings if one.verdict == "FAIL")
     assert "smoothed" in reason
     assert "0.8 s" in reason

@@ -1,0 +1,50 @@
+"""What the legs' joint angles say that cannot be: with such angles nothing else can be judged."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from shoecal_core.recording.run import Run
+from shoecal_core.robot.kinematics import Kinematics
+from shoecal_core.samples.aligned import Aligned
+from shoecal_core.screening.angle_steps import coarse_step
+from shoecal_core.screening.carrying import MovingFoot, moving_feet
+from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.soles import Soles, open_soles
+from shoecal_core.shoe.shoe import Shoe
+
+
+@dataclass(frozen=True)
+class Legs:
+    """Faults of the legs' angles.
+
+    Attributes:
+        soles: that are not level, by run.
+        moving: feet that do not stay while they carry a walking robot, by run.
+        step: of the angles, where it is coarse [rad].
+    """
+
+    soles: Mapping[int, Soles] = field(default_factory=dict)
+    moving: Mapping[int, MovingFoot] = field(default_factory=dict)
+    step: float = 0.0
+
+    @property
+    def wrong(self) -> bool:
+        """The feet are not where the angles say."""
+        return bool(self.soles or self.moving)
+
+
+def examine_legs(
+    runs: Mapping[int, Run],
+    aligned: Mapping[int, Aligned],
+    shoe: Shoe,
+    kinematics: Kinematics,
+    settings: CalibrationSettings,
+) -> Legs:
+    """Look for them in runs, by number, in which a foot carries the robot."""
+    return Legs(
+        open_soles(runs, aligned, shoe, kinematics),
+        moving_feet(runs, aligned, shoe, kinematics.robot),
+        coarse_step(runs.values(), kinematics.robot.leg_names, settings),
+    )
