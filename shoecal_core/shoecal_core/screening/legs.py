@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from shoecal_core.recording.run import Run
@@ -10,6 +10,7 @@ from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.screening.angle_steps import coarse_step
 from shoecal_core.screening.carrying import MovingFoot, moving_feet
+from shoecal_core.screening.dropouts import Dropouts, find_dropouts
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.screening.soles import Soles, open_soles
 from shoecal_core.shoe.shoe import Shoe
@@ -23,16 +24,18 @@ class Legs:
         soles: that are not level, by run.
         moving: feet that do not stay while they carry a walking robot, by run.
         step: of the angles, where it is coarse [rad].
+        dropouts: joints between the feet that were not read at times.
     """
 
     soles: Mapping[int, Soles] = field(default_factory=dict)
     moving: Mapping[int, MovingFoot] = field(default_factory=dict)
     step: float = 0.0
+    dropouts: Sequence[Dropouts] = ()
 
     @property
     def wrong(self) -> bool:
         """The feet are not where the angles say."""
-        return bool(self.soles or self.moving)
+        return bool(self.soles or self.moving or self.dropouts)
 
 
 def examine_legs(
@@ -43,8 +46,10 @@ def examine_legs(
     settings: CalibrationSettings,
 ) -> Legs:
     """Look for them in runs, by number, in which a foot carries the robot."""
+    robot = kinematics.robot
     return Legs(
         open_soles(runs, aligned, shoe, kinematics),
-        moving_feet(runs, aligned, shoe, kinematics.robot),
-        coarse_step(runs.values(), kinematics.robot.leg_names, settings),
+        moving_feet(runs, aligned, shoe, robot),
+        coarse_step(runs.values(), robot.leg_names, settings),
+        find_dropouts(runs, [robot.joint_names[joint] for joint in robot.between_feet]),
     )

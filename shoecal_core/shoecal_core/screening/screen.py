@@ -26,6 +26,7 @@ from shoecal_core.screening.codes import (
     missing_codes,
 )
 from shoecal_core.screening.disturbed import FAST_MOTIONS
+from shoecal_core.screening.dropouts import describe_dropouts
 from shoecal_core.screening.exchanged_runs import describe_exchanged_runs, exchanged_runs
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.imu import describe_imu, wrong_imu
@@ -91,6 +92,8 @@ def screen(
     # Jumps and held values look like every fault of cells and clocks.
     found = found.adding(describe_missing_codes(shoe, missing_codes(runs)))
     found = found.adding(describe_dead_bands(shoe, dead_bands(runs)))
+    # An angle that was not read is off by more than anything else.
+    found = found.adding(describe_dropouts(legs.dropouts))
     if found.fails:
         return found
     double = {
