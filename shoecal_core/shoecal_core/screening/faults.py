@@ -38,5 +38,5 @@ class Fault(Enum):
     SLOW = "slow"
     SMOOTHED = "smoothed"
     UNMOVED = "unmoved"
-    NOT_READ = "not_read"
+    HELD = "held"
     COARSE_ANGLES = "coarse_angles"

@@ -24,7 +24,7 @@ class Legs:
         soles: that are not level, by run.
         moving: feet that do not stay while they carry a walking robot, by run.
         step: of the angles, where it is coarse [rad].
-        dropouts: joints between the feet that were not read at times.
+        dropouts: joints between the feet whose angles were held.
     """
 
     soles: Mapping[int, Soles] = field(default_factory=dict)

@@ -92,7 +92,7 @@ def screen(
     # Jumps and held values look like every fault of cells and clocks.
     found = found.adding(describe_missing_codes(shoe, missing_codes(runs)))
     found = found.adding(describe_dead_bands(shoe, dead_bands(runs)))
-    # An angle that was not read is off by more than anything else.
+    # A held angle is off by more than anything else.
     found = found.adding(describe_dropouts(legs.dropouts))
     if found.fails:
         return found
