@@ -234,7 +234,12 @@ def _with_unmoved(
     """A screening with the joint above the legs that does not move, where all else is sound."""
     if screening.fails:
         return screening
-    there = {run: aligned[run] for run, one in runs.items() if one.info.support is not None}
+    left_out = screening.runs_left_out
+    there = {
+        run: aligned[run]
+        for run, one in runs.items()
+        if one.info.support is not None and run not in left_out
+    }
     return screening.adding(describe_unmoved(unmoved_joint(there, shoe, kinematics, settings)))
 
 

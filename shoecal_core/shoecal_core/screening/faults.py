@@ -18,6 +18,7 @@ class Fault(Enum):
     STUCK = "stuck"
     CODES = "codes"
     HUM = "hum"
+    BENT = "bent"
     SATURATED = "saturated"
     INVERTED = "inverted"
     SWAPPED = "swapped"

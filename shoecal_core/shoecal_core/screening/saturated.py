@@ -26,6 +26,9 @@ from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 
+BEYOND_REACH = 10.0
+"""Times the largest value of a converter that readings of all channels usually have, from which
+they are none of it in that unit."""
 USELESS_SHARE, USELESS_END_SHARE = 0.01, 0.2
 """A channel that is saturated for more of the time is no use: unknown to its device, and known."""
 BEYOND_SHARE = 0.2
@@ -220,6 +223,19 @@ def describe_ends(shoe: Shoe, ends: BoolArray, readings: FloatArray) -> list[Fin
     """
     share = ends.mean(axis=0)
     useless = share > USELESS_END_SHARE
+    reach = np.array([max(abs(one.lowest), abs(one.highest)) for one in shoe.channels])
+    usual = np.nanmedian(np.abs(readings), axis=0)
+    if useless.all() and (usual > BEYOND_REACH * reach).all():
+        return [
+            Finding(
+                "FAIL",
+                f"readings of about {np.median(usual):.3g} lie far beyond the {reach.max():g} "
+                f"{shoe.unit} that the converter gives: are they counts, or in another unit? Give "
+                "'scale' in the mapping of the import, or 'unit' and 'converter' of the readings "
+                "in the shoe file",
+                Fault.UNIT,
+            )
+        ]
     findings = []
     for verdict, channels in (("FAIL", useless), ("WARN", (share > 0.0) & ~useless)):
         if not channels.any():

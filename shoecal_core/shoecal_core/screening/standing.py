@@ -13,6 +13,7 @@ from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.filters import typical_period
 from shoecal_core.samples.lifting import TRANSIT_S, LiftedFoot, lifted
 from shoecal_core.samples.stretches import JOIN_S, lasting, stretches, widened
+from shoecal_core.screening.bending import Bending, bending, describe_bending
 from shoecal_core.screening.blocks import Blocks, blocks
 from shoecal_core.screening.changed_gains import changed_gains, describe_changed_gains
 from shoecal_core.screening.closure import FootMotion, Slipped, describe_slips, feet, slips
@@ -98,14 +99,11 @@ def screen_standing(
     watched = {run for run, lift in lifting.items() if lift is None} - {*fast, *hanging}
     at_end = flat(shoe, parts)
     early = _flat(shoe, rows, parts, at_end, information, settings)
-    if found.adding(early).fails:  # else gains and cables seem to be wrong
+    bent = bending(shoe, rows, parts, information)
+    if not found.adding(early).fails:  # else gains and cables seem to be wrong
+        early = _varying(shoe, rows, parts, watched, bent, information, weight, settings)
+    if found.adding(early).fails:
         return found.adding(early)
-    wavers = wavering(rows, watched, information, weight, settings)
-    if wavers is not None:
-        wiring = check_wiring(shoe, parts, information, weight, settings)
-        return found.adding(
-            describe_wiring(shoe, wiring) if wiring.clear else describe_wavering(wavers)
-        )
     if several:
         height = float(np.median([np.median(one.states.com[:, 0, 2]) for one in aligned.values()]))
         found = found.adding(_electrical(shoe, rows, parts, information, weight, height, settings))
@@ -128,11 +126,11 @@ def screen_standing(
     wrong = wrong_weights(sound, information, settings)
     found = found.adding(describe_pulls(list(pulled.values())))
     found = found.adding(describe_weights(wrong))
-    # With hum left to the last: what else varies the force is likelier.
-    hum = None if found.fails else find_hum(rows, parts, watched, information, settings)
-    found = found.adding(describe_hum(hum))
     if found.fails:
         return found
+    # Left to the last: what else varies the force is likelier.
+    found = found.adding(describe_hum(find_hum(rows, parts, watched, information, settings)))
+    found = found.adding(describe_bending(shoe, bent))
     fitting = {run: one for run, one in rows.items() if run not in {one.run for one in wrong}}
     fitted = {run: one for run, one in fitting.items() if run not in pulled}
     parameters = solve(reweighed(fitted, information), information).parameters
@@ -186,6 +184,26 @@ def _flat(
     if not any(one.any() for one in at_end.values()):
         return []
     return describe_saturated(shoe, _ended(rows, rows, parts, at_end, information, settings))
+
+
+def _varying(
+    shoe: Shoe,
+    rows: Mapping[int, Equations],
+    parts: Mapping[int, Blocks],
+    watched: Collection[int],
+    bent: Bending | None,
+    information: FloatArray,
+    weight: float,
+    settings: CalibrationSettings,
+) -> list[Finding]:
+    """What lets the vertical force vary by much in most runs: bent cells, cables, or a hand."""
+    wavers = wavering(rows, watched, information, weight, settings)
+    if wavers is None:
+        return []
+    if bent is not None:
+        return describe_bending(shoe, bent, refused=True)
+    wiring = check_wiring(shoe, parts, information, weight, settings)
+    return describe_wiring(shoe, wiring) if wiring.clear else describe_wavering(wavers)
 
 
 def _electrical(

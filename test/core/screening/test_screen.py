@@ -142,6 +142,13 @@ def test_a_converter_at_its_ceiling_is_no_force_from_outside() -> None:
     assert "at 2047 V" in finding.reason
 
 
+def test_counts_in_place_of_volts_are_at_no_end() -> None:
+    counts = recording().with_readings(lambda _, values: np.rint(2e5 * values) + 3e5)
+    (finding,) = screened(counts).findings
+    assert (finding.verdict, finding.fault) == ("FAIL", Fault.UNIT)
+    assert "are they counts, or in another unit? Give 'scale' in the mapping" in finding.reason
+
+
 # ---- a run: it is left out --------------------------------------------------------------------
 
 
