@@ -235,10 +235,14 @@ def with_own(
 
 def describe_zeros(shoe: Shoe, found: MovedZeros, weight: float) -> list[Finding]:
     """Channels that were zeroed between the runs."""
+    cure = (
+        "set no bias while the robot stands"
+        if shoe.torque.any()
+        else "take the tare out of the firmware (HX711 libraries do it in setup())"
+    )
     tare = (
-        "the cells were zeroed (tare) under load between the runs; take the tare out of the "
-        "firmware (HX711 libraries do it in setup()), or keep the boards powered from the first "
-        "run to the last, and record again"
+        f"the cells were zeroed (tare) under load between the runs; {cure}, or keep the boards "
+        "powered from the first run to the last, and record again"
     )
     if found.tared:
         before = " and ".join(

@@ -54,6 +54,10 @@ def test_a_tare_under_load_before_some_runs(runs: tuple[int, ...]) -> None:
     assert finding.verdict == "FAIL"
     assert f"{WEIGHT:.1f} N less than" in finding.reason
     assert "zeroed (tare) under load" in finding.reason
+    assert "HX711" in finding.reason
+    six_axis = shoes.made([*shoes.six_axis(0, [0, 0, 0.05]), *shoes.six_axis(1, [0, 0, 0.05])])
+    (finding,) = describe_zeros(six_axis, moved, WEIGHT)
+    assert "set no bias while the robot stands" in finding.reason
 
 
 @pytest.mark.parametrize("foot", ["left", "right"])
