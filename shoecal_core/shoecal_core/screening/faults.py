@@ -19,6 +19,7 @@ class Fault(Enum):
     CODES = "codes"
     HUM = "hum"
     BENT = "bent"
+    UNEXPLAINED = "unexplained"
     SATURATED = "saturated"
     INVERTED = "inverted"
     SWAPPED = "swapped"

@@ -40,6 +40,7 @@ from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.screening.sideways import describe_sideways, sideways_fault, sideways_pulls
 from shoecal_core.screening.spikes import find_jumps
 from shoecal_core.screening.turned_frames import describe_turned_frames, turned_frames
+from shoecal_core.screening.unexplained import describe_unexplained, unexplained
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.screening.wandering import describe_wandering, wandering
 from shoecal_core.screening.weights import describe_weights, wrong_weights
@@ -128,9 +129,8 @@ def screen_standing(
     found = found.adding(describe_weights(wrong))
     if found.fails:
         return found
-    # Left to the last: what else varies the force is likelier.
-    found = found.adding(describe_hum(find_hum(rows, parts, watched, information, settings)))
-    found = found.adding(describe_bending(shoe, bent))
+    minor = _minor(shoe, sound, rows, parts, watched, bent, information, settings)
+    found = found.adding(minor)
     fitting = {run: one for run, one in rows.items() if run not in {one.run for one in wrong}}
     fitted = {run: one for run, one in fitting.items() if run not in pulled}
     parameters = solve(reweighed(fitted, information), information).parameters
@@ -204,6 +204,22 @@ def _varying(
         return describe_bending(shoe, bent, refused=True)
     wiring = check_wiring(shoe, parts, information, weight, settings)
     return describe_wiring(shoe, wiring) if wiring.clear else describe_wavering(wavers)
+
+
+def _minor(
+    shoe: Shoe,
+    sound: Mapping[int, Equations],
+    rows: Mapping[int, Equations],
+    parts: Mapping[int, Blocks],
+    watched: Collection[int],
+    bent: Bending | None,
+    information: FloatArray,
+    settings: CalibrationSettings,
+) -> list[Finding]:
+    """What a calibration copes with; left to the last, as all else is likelier."""
+    hum = find_hum(rows, parts, watched, information, settings)
+    known = describe_hum(hum) + describe_bending(shoe, bent)
+    return known or describe_unexplained(unexplained(sound, information, settings))
 
 
 def _electrical(

@@ -156,9 +156,8 @@ def starts_at_zero(shoe: Shoe, at_zero: Mapping[int, FloatArray]) -> dict[int, t
 
 def starts(runs: Mapping[int, Blocks]) -> dict[int, FloatArray]:
     """(n,) by run, how far each channel starts off zero, over its range in the run."""
-    tiny = np.finfo(np.float64).tiny
     return {
-        run: np.abs(one.readings[0]) / np.maximum(np.ptp(one.readings, axis=0), tiny)
+        run: np.abs(one.readings[0]) / np.maximum(np.ptp(one.readings, axis=0), 1e-30)
         for run, one in runs.items()
     }
 
