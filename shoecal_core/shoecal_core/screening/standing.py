@@ -183,7 +183,8 @@ def _flat(
     """Channels that have an end, where one stays there while its neighbours go on."""
     if not any(one.any() for one in at_end.values()):
         return []
-    return describe_saturated(shoe, _ended(rows, rows, parts, at_end, information, settings))
+    found = _ended(rows, rows, parts, at_end, information, settings)
+    return describe_saturated(shoe, [one for one in found if one.share > SPOILS_SHARE])
 
 
 def _varying(
@@ -271,6 +272,11 @@ def _slipped(moments: Mapping[int, _Moments]) -> dict[int, Slipped]:
     for (run, _), slip in sorted(slips(calm).items()):
         found.setdefault(run, slip)
     return found
+
+
+SPOILS_SHARE = 0.2
+"""Of the time, that a channel is at an end at least, before it spoils what other faults show: those
+that are there for less are looked for when runs under another weight are known."""
 
 
 @dataclass(frozen=True)

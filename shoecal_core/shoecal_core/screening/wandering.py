@@ -74,7 +74,23 @@ def wandering(
     least = max(LEAST_SHARE * weight, settings.force_std_n)
     if force < least or best > LEFT * none or second < NEXT * best:
         return None
+    # One run under a load at a cell's corner looks like another zero of it: that run is left out.
+    if min(_loaded(run, runs, information, weight) for run in runs) < best:
+        return None
     return Wandering(channel, force, within < KEPT * force)
+
+
+def _loaded(
+    run: int, runs: Mapping[int, Equations], information: FloatArray, weight: float
+) -> float:
+    """The misfit with a constant load anywhere in one run."""
+    loaded = {
+        other: one.with_columns(
+            np.broadcast_to(np.eye(3)[:, None] * (other == run), (3, one.matrix.shape[1], 3))
+        )
+        for other, one in runs.items()
+    }
+    return solve(loaded, np.concatenate((information, np.full(3, weight**-2.0)))).cost
 
 
 def _with_own(
