@@ -69,7 +69,10 @@ def bending(
         for run, one in rows.items()
     }
     fit = solve(bent, np.concatenate((information, np.full(len(vertical), LARGEST_N**-2.0))))
-    before, after = _squares(rows, straight.vector), _squares(bent, fit.vector)
+    before, after = (
+        sum(one.force_squares(vector) for one in equations.values())
+        for equations, vector in ((rows, straight.vector), (bent, fit.vector))
+    )
     if after > min(LEFT * before, before - LEAST_DROP):
         return None
     first = 2 * len(shoe.names)
@@ -79,11 +82,6 @@ def bending(
     if not order:
         return None
     return Bending(tuple(vertical[order].tolist()), tuple(force[order].tolist()))
-
-
-def _squares(rows: Mapping[int, Equations], vector: FloatArray) -> float:
-    """Of the vertical force, over all blocks."""
-    return float(sum((one.weight * one.off(vector)[0] ** 2).sum() for one in rows.values()))
 
 
 def describe_bending(shoe: Shoe, found: Bending | None, *, refused: bool = False) -> list[Finding]:

@@ -32,6 +32,8 @@ with hum of 0.8 N on four cells 0.76 and 0.57; of sound simulated sessions at mo
 which moves by two sines, 0.31 and 0.08."""
 MOTION_SHARE = 0.2
 """The same of the modelled CoP: from it in every run, the frequency is that of the motion."""
+PARTS = np.array([1.0, 2.0, 3.0])
+"""A motion makes its own frequency, and what is not linear the double and the triple of it."""
 LEAST_STDS = 0.25
 """Amplitude from which it is reported, in the settings' standard deviations of the force."""
 
@@ -73,14 +75,10 @@ def find_hum(
     if np.median(there) < SHARE or there.min() < EACH_SHARE or amplitude < LEAST_STDS:
         return None
     frequency = float(tried[best])
-    motion = [_shares(parts[run].time, parts[run].cop, frequency / _PARTS) for run in runs]
+    motion = [_shares(parts[run].time, parts[run].cop, frequency / PARTS) for run in runs]
     if np.min(motion, axis=0).max() > MOTION_SHARE:
         return None
     return Hum(frequency, settings.force_std_n * float(amplitude))
-
-
-_PARTS = np.array([1.0, 2.0, 3.0])
-"""A motion makes its own frequency, and what is not linear the double and the triple of it."""
 
 
 def _shares(time: FloatArray, values: FloatArray, frequencies: FloatArray) -> FloatArray:

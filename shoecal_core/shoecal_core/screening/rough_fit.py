@@ -58,6 +58,10 @@ class Equations:
         off: FloatArray = self.matrix @ vector - self.target
         return off
 
+    def force_squares(self, vector: FloatArray) -> float:
+        """Sum of squares that a parameter vector (2n,) leaves of the vertical force."""
+        return float((self.weight * self.off(vector)[0] ** 2).sum())
+
     def with_columns(self, columns: FloatArray) -> Equations:
         """The same with further unknowns, whose columns (3, B, k) are whitened."""
         return replace(self, matrix=np.concatenate((self.matrix, columns), axis=2))

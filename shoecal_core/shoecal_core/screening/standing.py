@@ -50,6 +50,9 @@ from shoecal_core.shoe.sensing import MINIMUM_FORCE
 from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_core.shoe.wrench import ChannelParameters, cop, foot_wrenches
 
+SPOILS_SHARE = 0.2
+"""Of the time, that a channel is at an end at least, before it spoils what other faults show: those
+that are there for less are looked for when runs under another weight are known."""
 MARGIN_S = 0.15
 """Also left out around what moved, pushed or lifted the robot: it still sways."""
 HIT_MARGIN_S = 0.03
@@ -272,11 +275,6 @@ def _slipped(moments: Mapping[int, _Moments]) -> dict[int, Slipped]:
     for (run, _), slip in sorted(slips(calm).items()):
         found.setdefault(run, slip)
     return found
-
-
-SPOILS_SHARE = 0.2
-"""Of the time, that a channel is at an end at least, before it spoils what other faults show: those
-that are there for less are looked for when runs under another weight are known."""
 
 
 @dataclass(frozen=True)

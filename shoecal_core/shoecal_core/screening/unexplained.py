@@ -29,7 +29,7 @@ def unexplained(
     """
     rows = reweighed(rows, information)
     vector = solve(rows, information).vector
-    squares = sum(float((one.weight * one.off(vector)[0] ** 2).sum()) for one in rows.values())
+    squares = sum(one.force_squares(vector) for one in rows.values())
     stds = float(np.sqrt(squares / sum(float(one.weight.sum()) for one in rows.values())))
     return settings.force_std_n * stds if stds > LIMIT_STDS else 0.0
 
