@@ -123,18 +123,20 @@ def screen_standing(
     sound = {run: one for run, one in rows.items() if run not in pulled}
     # With gains of a single run, a pull on the other one looks like a cell at its end.
     checked = sound if any(one.undecided for one in pulled.values()) else rows
-    ended = _ended(sound, checked, parts, at_end, information, settings)
+    wrong = wrong_weights(sound, information, settings)
+    # Nor with those of a run under a load, which bends the gains of all others.
+    unloaded = {run: one for run, one in sound.items() if run not in {each.run for each in wrong}}
+    ended = _ended(unloaded or sound, checked, parts, at_end, information, settings)
     found = found.adding(describe_saturated(shoe, ended))
     if found.fails:
         return found
-    wrong = wrong_weights(sound, information, settings)
     found = found.adding(describe_pulls(list(pulled.values())))
     found = found.adding(describe_weights(wrong))
     if found.fails:
         return found
-    minor = _minor(shoe, sound, rows, parts, watched, bent, information, settings)
+    minor = _minor(shoe, unloaded, rows, parts, watched, bent, information, settings)
     found = found.adding(minor)
-    fitting = {run: one for run, one in rows.items() if run not in {one.run for one in wrong}}
+    fitting = {run: one for run, one in rows.items() if run in unloaded or run in pulled}
     fitted = {run: one for run, one in fitting.items() if run not in pulled}
     parameters = solve(reweighed(fitted, information), information).parameters
     watch = _Watch(shoe, parameters, weight, settings, ended)

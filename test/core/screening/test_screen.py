@@ -169,6 +169,15 @@ def test_a_run_under_another_weight_is_left_out(newtons: float) -> None:
     assert (lost.run, lost.fault, lost.share) == (4, Fault.WRONG_WEIGHT, 1.0)
 
 
+def test_a_load_on_one_cell_is_the_only_fault_of_its_run() -> None:
+    whole = recording(3, count=4)
+    gain = whole.parameters.gain[0]
+    found = screened(whole.with_channel(0, lambda run, one: one + (5.0 / gain) * (run == 2)))
+    (finding,) = found.findings
+    assert finding.fault == Fault.WRONG_WEIGHT
+    assert found.runs_left_out == (2,)
+
+
 def test_two_runs_that_do_not_agree_are_refused() -> None:
     found = screened(carrying(recording(count=2), 1, 6.0))
     (finding,) = found.findings
