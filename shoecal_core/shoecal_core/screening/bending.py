@@ -8,15 +8,12 @@ and where they take away most of what the forces are off that sum, that is why.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from shoecal_core.arrays import FloatArray
-from shoecal_core.screening.blocks import Blocks
 from shoecal_core.screening.faults import Fault
-from shoecal_core.screening.rough_fit import Equations, reweighed, solve
+from shoecal_core.screening.rough_fit import Statics, solve
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import Shoe
 
@@ -43,23 +40,12 @@ class Bending:
     force: tuple[float, ...]
 
 
-def bending(
-    shoe: Shoe,
-    rows: Mapping[int, Equations],
-    parts: Mapping[int, Blocks],
-    information: FloatArray,
-) -> Bending | None:
-    """Vertical channels that bend; None where lines fit as well.
-
-    Args:
-        rows, parts: equations and blocks of each run.
-        information: (2n,) prior, of gains and offsets.
-    """
+def bending(statics: Statics) -> Bending | None:
+    """Vertical channels that bend; None where lines fit as well."""
+    shoe, parts, rows = statics.shoe, statics.parts, statics.robust
     vertical = np.flatnonzero(shoe.vertical)
     readings = np.concatenate([one.readings for one in parts.values()])[:, vertical]
     middle, half = readings.mean(axis=0), np.maximum(np.ptp(readings, axis=0) / 2.0, 1e-12)
-    rows = reweighed(rows, information)
-    straight = solve(rows, information)
     # Bends are forces, as offsets are.
     bent = {
         run: one.with_columns(
@@ -68,10 +54,11 @@ def bending(
         )
         for run, one in rows.items()
     }
-    fit = solve(bent, np.concatenate((information, np.full(len(vertical), LARGEST_N**-2.0))))
+    largest = np.full(len(vertical), LARGEST_N**-2.0)
+    fit = solve(bent, np.concatenate((statics.information, largest)))
     before, after = (
         sum(one.force_squares(vector) for one in equations.values())
-        for equations, vector in ((rows, straight.vector), (bent, fit.vector))
+        for equations, vector in ((rows, statics.fit.vector), (bent, fit.vector))
     )
     if after > min(LEFT * before, before - LEAST_DROP):
         return None

@@ -13,8 +13,7 @@ import numpy as np
 
 from shoecal_core.arrays import FloatArray
 from shoecal_core.screening.faults import Fault
-from shoecal_core.screening.rough_fit import Equations, NormalEquations, RoughFit, solve_sums
-from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.rough_fit import NormalEquations, RoughFit, Statics, solve_sums
 from shoecal_core.screening.verdict import Finding, name_runs
 from shoecal_core.screening.zeros import LEAST_COST, with_own
 from shoecal_core.shoe.shoe import FEET, Shoe
@@ -52,26 +51,16 @@ class ChangedGains:
     ratio: Mapping[int, float]
 
 
-def changed_gains(
-    runs: Mapping[int, Equations],
-    information: FloatArray,
-    weight: float,
-    settings: CalibrationSettings,
-) -> ChangedGains | None:
+def changed_gains(statics: Statics) -> ChangedGains | None:
     """Whether gains of a stretch of runs are not those of all others.
-
-    Args:
-        runs: equations of each, in the order in which they were recorded.
-        information: (2n,) prior, of gains and offsets.
-        weight: of robot and shoes [N].
 
     Returns:
         None where they are, or where all of them changed by one factor, which is another weight.
     """
-    if len(runs) < LEAST_RUNS:
+    numbers, information = list(statics.parts), statics.information
+    if len(numbers) < LEAST_RUNS:
         return None
-    numbers = list(runs)
-    own, whole = with_own(runs, numbers, information, weight, settings)
+    own, whole = with_own(statics, numbers)
     sums = {run: one.sums() for run, one in own.items()}
     common = max(solve_sums(list(sums.values()), whole).cost, LEAST_COST)
     fits = {group: _apart(sums, group, information, whole) for group in _groups(numbers)}

@@ -26,7 +26,7 @@ from shoecal_core.samples.filters import resampled, typical_period
 from shoecal_core.screening.blocks import blocks
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.noise import spread
-from shoecal_core.screening.rough_fit import fit_roughly
+from shoecal_core.screening.rough_fit import Statics
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.sensing import MINIMUM_FORCE
@@ -242,7 +242,7 @@ def cop_tracks(
     if not aligned:
         return {}
     parts = {run: blocks(one, shoe) for run, one in aligned.items()}
-    parameters = fit_roughly(shoe, parts, weight, settings).parameters
+    parameters = Statics.of(shoe, parts, weight, settings).fit.parameters
     tracks = {}
     for run, one in aligned.items():
         wrench = parameters.outputs(one.readings) @ parts[run].columns + parts[run].base

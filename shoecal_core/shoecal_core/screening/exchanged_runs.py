@@ -6,19 +6,16 @@ set of gains fits all runs. What is exchanged in all of them is a matter of `wir
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from shoecal_core.arrays import FloatArray
-from shoecal_core.screening.blocks import Blocks
 from shoecal_core.screening.faults import Fault
-from shoecal_core.screening.rough_fit import Equations, equations, prior, solve_sums
-from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.rough_fit import Equations, Statics, solve_sums
 from shoecal_core.screening.verdict import Finding, name_runs
 from shoecal_core.screening.wiring import BETTER, CLEAR_SHARE, exchanged, of_feet
-from shoecal_core.shoe.shoe import Shoe
 
 
 @dataclass(frozen=True)
@@ -35,30 +32,16 @@ class ExchangedRuns:
     left: float
 
 
-def exchanged_runs(
-    shoe: Shoe, runs: Mapping[int, Blocks], weight: float, settings: CalibrationSettings
-) -> ExchangedRuns | None:
-    """The stretch of runs in which left and right are exchanged; None without.
-
-    Args:
-        shoe: whose n channels they are.
-        runs: blocks of each, in the order in which they were recorded.
-        weight: of robot and shoes [N].
-    """
-    pairs = of_feet(shoe)
-    if len(runs) < 2 or not pairs:
+def exchanged_runs(statics: Statics) -> ExchangedRuns | None:
+    """The stretch of runs in which left and right are exchanged; None without."""
+    pairs, numbers = of_feet(statics.shoe), list(statics.parts)
+    if len(numbers) < 2 or not pairs:
         return None
-    place = exchanged(np.arange(len(shoe.names)), pairs)
-    information = prior(shoe, runs, weight, settings)
-    as_is = {run: equations(one, weight, settings) for run, one in runs.items()}
-    turned = {
-        run: equations(replace(one, readings=one.readings[:, place]), weight, settings)
-        for run, one in runs.items()
-    }
-    sums = {run: (as_is[run].sums(), turned[run].sums()) for run in runs}
-    numbers = list(runs)
+    place = exchanged(np.arange(len(statics.shoe.names)), pairs)
+    turned = statics.changed(lambda one: replace(one, readings=one.readings[:, place]))
+    sums = {run: (statics.rows[run].sums(), turned.rows[run].sums()) for run in numbers}
     fits = {
-        group: solve_sums([sums[run][run in group] for run in numbers], information)
+        group: solve_sums([sums[run][run in group] for run in numbers], statics.information)
         for group in _groups(numbers)
     }
     best = min(fits, key=lambda group: fits[group].cost)
@@ -67,8 +50,8 @@ def exchanged_runs(
     if not best or best == tuple(numbers) or then > min(CLEAR_SHARE * now, now - BETTER):
         return None
     off, left = (
-        settings.cop_std_m * _moments([rows[run] for run in best], fits[best].vector)
-        for rows in (as_is, turned)
+        statics.settings.cop_std_m * _moments([one.rows[run] for run in best], fits[best].vector)
+        for one in (statics, turned)
     )
     return ExchangedRuns(best, off, left)
 

@@ -15,7 +15,7 @@ from shoecal_core.samples.contact import moves
 from shoecal_core.samples.lifting import TRANSIT_S
 from shoecal_core.samples.stretches import lasting, unchanged, widened
 from shoecal_core.screening.blocks import blocks
-from shoecal_core.screening.rough_fit import equations, prior, reweighed, solve
+from shoecal_core.screening.rough_fit import Statics
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.vertical import at_least_load, both_carry_load
@@ -46,9 +46,7 @@ def both_hang(
         return {}
     # Gains and offsets by all else: no model holds for a robot that is carried.
     parts = {run: blocks(without(one, low.get(run)), shoe) for run, one in aligned.items()}
-    information = prior(shoe, parts, weight, settings)
-    rows = {run: equations(one, weight, settings) for run, one in parts.items()}
-    parameters = solve(reweighed(rows, information), information).parameters
+    parameters = Statics.of(shoe, parts, weight, settings).fit.parameters
     found = {}
     for run, mask in low.items():
         outputs = parameters.outputs(aligned[run].readings[mask])

@@ -8,16 +8,14 @@ or of which it has a half or a third, comes from the motion.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
 
 from shoecal_core.arrays import FloatArray
-from shoecal_core.screening.blocks import Blocks
 from shoecal_core.screening.faults import Fault
-from shoecal_core.screening.rough_fit import Equations, reweighed, solve
-from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.rough_fit import Statics
 from shoecal_core.screening.verdict import Finding
 
 STEP_HZ, HIGHEST_HZ = 0.005, 2.4
@@ -46,39 +44,32 @@ class Hum:
     amplitude: float
 
 
-def find_hum(
-    rows: Mapping[int, Equations],
-    parts: Mapping[int, Blocks],
-    watched: Collection[int],
-    information: FloatArray,
-    settings: CalibrationSettings,
-) -> Hum | None:
+def find_hum(statics: Statics, watched: Collection[int]) -> Hum | None:
     """The oscillation that all watched runs share; None without.
 
     Args:
-        rows, parts: equations and blocks of each run.
         watched: runs in which both feet stand.
-        information: (2n,) prior, of gains and offsets.
     """
+    parts = statics.parts
     runs = [run for run in parts if run in watched]
     if len(runs) < LEAST_RUNS:
         return None
-    fit = solve(reweighed(rows, information), information)
     lowest = LEAST_PERIODS / min(float(np.ptp(parts[run].time)) for run in runs)
     tried = np.arange(lowest, HIGHEST_HZ, STEP_HZ)
-    force = [rows[run].off(fit.vector)[:1].T for run in runs]
+    force = [statics.force_error(run, statics.fit.vector)[:, None] for run in runs]
     times = [parts[run].time for run in runs]
     shares = np.array([_shares(t, y, tried) for t, y in zip(times, force, strict=True)])
     best = int(np.argmax(np.median(shares, axis=0)))
     there = shares[:, best]
     amplitude = np.median([np.sqrt(2.0 * s * y.var()) for s, y in zip(there, force, strict=True)])
-    if np.median(there) < SHARE or there.min() < EACH_SHARE or amplitude < LEAST_STDS:
+    least = LEAST_STDS * statics.settings.force_std_n
+    if np.median(there) < SHARE or there.min() < EACH_SHARE or amplitude < least:
         return None
     frequency = float(tried[best])
     motion = [_shares(parts[run].time, parts[run].cop, frequency / PARTS) for run in runs]
     if np.min(motion, axis=0).max() > MOTION_SHARE:
         return None
-    return Hum(frequency, settings.force_std_n * float(amplitude))
+    return Hum(frequency, float(amplitude))
 
 
 def _shares(time: FloatArray, values: FloatArray, frequencies: FloatArray) -> FloatArray:

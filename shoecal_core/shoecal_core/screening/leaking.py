@@ -8,7 +8,7 @@ readings fit much better is the leak.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from itertools import permutations, product
 
@@ -16,10 +16,8 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from shoecal_core.arrays import FloatArray, IntArray
-from shoecal_core.screening.blocks import Blocks
 from shoecal_core.screening.faults import Fault
-from shoecal_core.screening.rough_fit import equations, reweighed, solve
-from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.rough_fit import Statics
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import FEET, Shoe
 
@@ -63,33 +61,20 @@ class Leak:
     std: float
 
 
-def leaking(
-    shoe: Shoe,
-    runs: Mapping[int, Blocks],
-    information: FloatArray,
-    weight: float,
-    settings: CalibrationSettings,
-) -> Leak | None:
+def leaking(statics: Statics) -> Leak | None:
     """The leak that explains most of what does not fit; None without, and for other sensors.
 
-    A single bad run may fit a leak better: it must hold without any one of the runs, too.
-
-    Args:
-        shoe: of cells that measure the vertical force alone; others may have crosstalk.
-        information: (2n,) prior; see `rough_fit.prior`.
-        weight: of robot and shoes [N].
+    A single bad run may fit a leak better: it must hold without any one of the runs, too. Only
+    cells that measure the vertical force alone are judged; others may have crosstalk.
     """
+    shoe, runs = statics.shoe, statics.parts
     if not shoe.vertical.all() or max(one.period for one in runs.values()) > LONGEST_BLOCK_S:
         return None
 
     def cost(chains: Chains, share: float, without: int | None = None) -> float:
         undo = np.linalg.inv(mixing(chains, len(shoe.names), share)).T
-        rows = {
-            run: equations(replace(one, readings=one.readings @ undo), weight, settings)
-            for run, one in runs.items()
-            if run != without
-        }
-        return solve(reweighed(rows, information), information).cost
+        kept = statics if without is None else statics.without({without})
+        return kept.changed(lambda one: replace(one, readings=one.readings @ undo)).fit.cost
 
     plain = cost((), 0.0)
     if plain < LEAST_GAIN:

@@ -8,7 +8,7 @@ push (`disturbed`).
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,10 +16,8 @@ from scipy.ndimage import median_filter
 
 from shoecal_core.arrays import FloatArray
 from shoecal_core.samples.stretches import Stretch, lasting, list_stretches, stretches
-from shoecal_core.screening.blocks import Blocks
 from shoecal_core.screening.faults import Fault
-from shoecal_core.screening.rough_fit import Equations, reweighed, solve
-from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.rough_fit import Statics, solve
 from shoecal_core.screening.verdict import Finding, name_runs
 from shoecal_core.screening.weights import OFF_STDS, OPEN_STDS
 
@@ -77,59 +75,43 @@ class Wavering:
     force: float
 
 
-def wavering(
-    runs: Mapping[int, Equations],
-    watched: Collection[int],
-    information: FloatArray,
-    weight: float,
-    settings: CalibrationSettings,
-) -> Wavering | None:
+def wavering(statics: Statics, watched: Collection[int]) -> Wavering | None:
     """Runs that contradict themselves, where most that are watched do: no other shows the pull.
 
     It comes before cables are looked at: exchanged cells and turned signs take some of it.
 
     Args:
-        runs, watched, weight: as those of `pulls`.
-        information: (2n,) prior, of gains and offsets.
+        watched: as that of `pulls`.
     """
-    off = {run: settings.force_std_n * _off(one, information) for run, one in runs.items()}
-    so = [run for run, force in off.items() if np.sqrt((force**2).mean()) > WAVERS_SHARE * weight]
+    off = {run: _off(run, statics) for run in statics.parts}
+    most = WAVERS_SHARE * statics.weight
+    so = [run for run, force in off.items() if np.sqrt((force**2).mean()) > most]
     if not 2 * len(set(so) & set(watched)) > len(watched):
         return None
     spans = [float(np.ptp(np.quantile(off[run], (0.025, 0.975)))) for run in so]
     return Wavering(tuple(so), max(spans))
 
 
-def pulls(
-    runs: Mapping[int, Equations],
-    parts: Mapping[int, Blocks],
-    watched: Collection[int],
-    information: FloatArray,
-    weight: float,
-    settings: CalibrationSettings,
-) -> list[Pull]:
+def pulls(statics: Statics, watched: Collection[int]) -> list[Pull]:
     """Runs with a force from outside, the worst first, as long as others are there to see it by.
 
     Args:
-        runs, parts: equations and blocks of each.
-        watched: those that keep both feet on the floor and move slowly.
-        information: (2n,) prior, of gains and offsets.
-        weight: of robot and shoes [N].
+        watched: runs that keep both feet on the floor and move slowly.
     """
-    kept, found = dict(runs), list[Pull]()
-    alone = {run: _misfit(one, information) for run, one in runs.items()}
-    while len(kept) > 1:
-        seen = [_pull(run, kept, parts[run], information, weight, settings) for run in kept]
+    kept, found = statics, list[Pull]()
+    alone = {run: _misfit(run, statics) for run in statics.parts}
+    while len(kept.parts) > 1:
+        seen = [_pull(run, kept) for run in kept.parts]
         pulled = [one for one in seen if one is not None and one.run in watched]
         if not pulled:
             break
         # A run that is pulled spoils what is said of the others, but by themselves they fit.
         worst = max(pulled, key=lambda one: alone[one.run])
-        others = [alone[run] for run in kept if run != worst.run]
+        others = [alone[run] for run in kept.parts if run != worst.run]
         if alone[worst.run] < CONTRADICTS * float(np.median(others)):
             break
-        found.append(replace(worst, undecided=len(kept) == 2))
-        del kept[worst.run]
+        found.append(replace(worst, undecided=len(kept.parts) == 2))
+        kept = kept.without({worst.run})
     return found
 
 
@@ -140,32 +122,23 @@ def what_lasts(force: FloatArray, period: float) -> FloatArray:
     return left
 
 
-def _misfit(one: Equations, information: FloatArray) -> float:
-    """RMS of what the run's own gains and offsets leave of its vertical force [stds]."""
-    return float(np.sqrt((_off(one, information) ** 2).mean()))
+def _misfit(run: int, runs: Statics) -> float:
+    """RMS of what the run's own gains and offsets leave of its vertical force [N]."""
+    return float(np.sqrt((_off(run, runs) ** 2).mean()))
 
 
-def _off(one: Equations, information: FloatArray) -> FloatArray:
-    """(B,) what the run's own gains and offsets leave of its vertical force [stds]."""
-    left: FloatArray = one.off(solve({0: one}, information).vector)[0]
-    return left
+def _off(run: int, runs: Statics) -> FloatArray:
+    """(B,) what the run's own gains and offsets leave of its vertical force [N]."""
+    own = solve({run: runs.rows[run]}, runs.information)
+    return runs.force_error(run, own.vector)
 
 
-def _pull(
-    run: int,
-    runs: Mapping[int, Equations],
-    part: Blocks,
-    information: FloatArray,
-    weight: float,
-    settings: CalibrationSettings,
-) -> Pull | None:
-    others = {number: one for number, one in runs.items() if number != run}
-    fit = solve(reweighed(others, information), information)
-    one, std = runs[run], settings.force_std_n
-    force = what_lasts(std * one.off(fit.vector)[0][:, None], part.period)[:, 0]
-    rows = std * one.matrix[0]
+def _pull(run: int, runs: Statics) -> Pull | None:
+    fit, part, std = runs.without({run}).fit, runs.parts[run], runs.settings.force_std_n
+    force = what_lasts(runs.force_error(run, fit.vector)[:, None], part.period)[:, 0]
+    rows = std * runs.rows[run].matrix[0]
     left_open = np.sqrt(np.einsum("bi,ij,bj->b", rows, fit.covariance, rows))
-    limit = max(OFF_STDS * std, LEAST_SHARE * weight) + OPEN_STDS * left_open
+    limit = max(OFF_STDS * std, LEAST_SHARE * runs.weight) + OPEN_STDS * left_open
     beyond = lasting(np.abs(force) > limit, part.time, LASTS_S)
     steady = float(np.ptp(np.quantile(force, [0.02, 0.98]))) < float(np.median(limit))
     if not beyond.any() or steady:

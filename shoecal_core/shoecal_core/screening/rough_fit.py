@@ -8,8 +8,9 @@ count less and less. A bias of a few per cent does no harm here, one bad run or 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -103,19 +104,63 @@ class RoughFit:
         return ChannelParameters(gain, offset)
 
 
-def fit_roughly(
-    shoe: Shoe, runs: Mapping[int, Blocks], weight: float, settings: CalibrationSettings
-) -> RoughFit:
-    """Least squares over some runs, blocks that fit badly counting less.
+@dataclass(frozen=True)
+class Statics:
+    """Runs in double support, and their equations.
 
-    Args:
+    Attributes:
         shoe: whose n channels they are.
-        runs: blocks of each.
         weight: of robot and shoes [N].
+        settings: with the standard deviations.
+        parts: blocks of each run, by number, in the order in which they were recorded.
+        rows: the equations of each.
+        information: (2n,) prior, of gains and offsets.
     """
-    information = prior(shoe, runs, weight, settings)
-    rows = {run: equations(one, weight, settings) for run, one in runs.items()}
-    return solve(reweighed(rows, information), information)
+
+    shoe: Shoe
+    weight: float
+    settings: CalibrationSettings
+    parts: Mapping[int, Blocks]
+    rows: Mapping[int, Equations]
+    information: FloatArray
+
+    @classmethod
+    def of(
+        cls, shoe: Shoe, parts: Mapping[int, Blocks], weight: float, settings: CalibrationSettings
+    ) -> Statics:
+        """Those of some runs' blocks."""
+        rows = {run: equations(one, weight, settings) for run, one in parts.items()}
+        return cls(shoe, weight, settings, parts, rows, prior(shoe, parts, weight, settings))
+
+    @cached_property
+    def robust(self) -> dict[int, Equations]:
+        """The same equations; blocks that fit badly count less."""
+        return reweighed(self.rows, self.information)
+
+    @cached_property
+    def fit(self) -> RoughFit:
+        """The solution of these."""
+        return solve(self.robust, self.information)
+
+    def force_error(self, run: int, vector: FloatArray) -> FloatArray:
+        """(B,) measured less expected vertical force of a run, by gains and offsets (2n,) [N]."""
+        error: FloatArray = self.settings.force_std_n * self.rows[run].off(vector)[0]
+        return error
+
+    def only(self, runs: Collection[int]) -> Statics:
+        """Some of the runs, with the same prior."""
+        parts = {run: one for run, one in self.parts.items() if run in runs}
+        return replace(self, parts=parts, rows={run: self.rows[run] for run in parts})
+
+    def without(self, runs: Collection[int]) -> Statics:
+        """All but some of the runs, with the same prior."""
+        return self.only([run for run in self.parts if run not in runs])
+
+    def changed(self, change: Callable[[Blocks], Blocks]) -> Statics:
+        """The same prior and other blocks: a function of those of each run."""
+        parts = {run: change(one) for run, one in self.parts.items()}
+        rows = {run: equations(one, self.weight, self.settings) for run, one in parts.items()}
+        return replace(self, parts=parts, rows=rows)
 
 
 def equations(blocks: Blocks, weight: float, settings: CalibrationSettings) -> Equations:
@@ -125,14 +170,19 @@ def equations(blocks: Blocks, weight: float, settings: CalibrationSettings) -> E
         weight: of robot and shoes [N].
     """
     target = at_cop(np.full(len(blocks.time), weight), blocks.cop) - blocks.base
-    moment = settings.cop_std_m * weight
-    std = np.array([settings.force_std_n, moment, moment])
+    std = deviations(weight, settings)
     matrix = by_parameters(blocks.columns.T / std[:, None], blocks.readings)
     return Equations(
         matrix=matrix.swapaxes(0, 1),
         target=target.T / std[:, None],
         weight=np.full(len(blocks.time), min(1.0, blocks.period / settings.correlation_s)),
     )
+
+
+def deviations(weight: float, settings: CalibrationSettings) -> FloatArray:
+    """(3,) standard deviations of F, Mx, My under a weight [N, N m, N m]."""
+    moment = settings.cop_std_m * weight
+    return np.array([settings.force_std_n, moment, moment])
 
 
 def prior(

@@ -32,6 +32,7 @@ from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.imu import describe_imu, wrong_imu
 from shoecal_core.screening.legs import Legs
 from shoecal_core.screening.result import LeftOut, Screening, describe_left_out
+from shoecal_core.screening.rough_fit import Statics
 from shoecal_core.screening.saturated import (
     at_ends_or_marked,
     describe_ends,
@@ -103,7 +104,7 @@ def screen(
     if not legs.soles:  # else what the legs say of the CoP is wrong
         # Exchanged feet look like stuck cells, other weights and other gains.
         standing = {number: parts[number] for number in double}
-        exchanged = exchanged_runs(shoe, standing, weight, settings)
+        exchanged = exchanged_runs(Statics.of(shoe, standing, weight, settings))
         found = found.adding(describe_exchanged_runs(exchanged))
         if found.fails:
             return found

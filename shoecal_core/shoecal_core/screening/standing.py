@@ -26,7 +26,7 @@ from shoecal_core.screening.noise import noise
 from shoecal_core.screening.pulled import Pull, describe_pulls, describe_wavering, pulls, wavering
 from shoecal_core.screening.quasi_static import too_fast
 from shoecal_core.screening.result import LeftOut, Screening, describe_left_out
-from shoecal_core.screening.rough_fit import Equations, equations, prior, reweighed, solve
+from shoecal_core.screening.rough_fit import Statics, reweighed, solve
 from shoecal_core.screening.saturated import (
     AT_END_STDS,
     Saturated,
@@ -45,7 +45,7 @@ from shoecal_core.screening.verdict import Finding
 from shoecal_core.screening.wandering import describe_wandering, wandering
 from shoecal_core.screening.weights import describe_weights, wrong_weights
 from shoecal_core.screening.wiring import check_wiring, describe_wiring
-from shoecal_core.screening.zeros import describe_zeros, moved_zeros, starts, starts_at_zero
+from shoecal_core.screening.zeros import describe_zeros, moved_zeros
 from shoecal_core.shoe.sensing import MINIMUM_FORCE
 from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_core.shoe.wrench import ChannelParameters, cop, foot_wrenches
@@ -97,49 +97,42 @@ def screen_standing(
         run: blocks(within_range(shoe, without(one, hanging.get(run))), shoe)
         for run, one in aligned.items()
     }
-    information = prior(shoe, parts, weight, settings)
-    several = len(aligned) > 1
-    rows = {run: equations(one, weight, settings) for run, one in parts.items()}
+    statics = Statics.of(shoe, parts, weight, settings)
     watched = {run for run, lift in lifting.items() if lift is None} - {*fast, *hanging}
     at_end = flat(shoe, parts)
-    early = _flat(shoe, rows, parts, at_end, information, settings)
-    bent = bending(shoe, rows, parts, information)
+    early = _flat(statics, at_end)
+    bent = bending(statics)
     if not found.adding(early).fails:  # else gains and cables seem to be wrong
-        early = _varying(shoe, rows, parts, watched, bent, information, weight, settings)
-    if found.adding(early).fails:
-        return found.adding(early)
-    if several:
+        early = _varying(statics, watched, bent)
+    found = found.adding(early)
+    if not found.fails and len(aligned) > 1:
         height = float(np.median([np.median(one.states.com[:, 0, 2]) for one in aligned.values()]))
-        found = found.adding(_electrical(shoe, rows, parts, information, weight, height, settings))
-    slow = {run: aligned[run] for run, lift in lifting.items() if lift is None and run not in fast}
+        found = found.adding(_electrical(statics, height))
+    steady = {run: aligned[run] for run, lift in lifting.items() if lift is None}
     if not found.fails:
+        slow = {run: one for run, one in steady.items() if run not in fast}
         found = found.adding(describe_sideways(sideways_fault(shoe, slow, weight)))
     if found.fails:
         return found
-    steady = {run: aligned[run] for run, lift in lifting.items() if lift is None}
-    pushed = sideways_pulls(shoe, steady, weight)
-    pushed += pulls(rows, parts, watched, information, weight, settings)
+    pushed = sideways_pulls(shoe, steady, weight) + pulls(statics, watched)
     pulled = {one.run: one for one in pushed}
-    sound = {run: one for run, one in rows.items() if run not in pulled}
-    # With gains of a single run, a pull on the other one looks like a cell at its end.
-    checked = sound if any(one.undecided for one in pulled.values()) else rows
-    wrong = wrong_weights(sound, information, settings)
-    # Nor with those of a run under a load, which bends the gains of all others.
-    unloaded = {run: one for run, one in sound.items() if run not in {each.run for each in wrong}}
-    ended = _ended(unloaded or sound, checked, parts, at_end, information, settings)
+    sound = statics.without(pulled)
+    wrong = wrong_weights(sound)
+    # Neither a pull nor a load is let in, which bend the gains of all runs; with gains of a single
+    # run, a pull on the other one looks like a cell at its end.
+    unloaded = sound.without({one.run for one in wrong})
+    fitted = unloaded if unloaded.parts else statics
+    checked = sound if any(one.undecided for one in pulled.values()) else statics
+    ended = _ended(fitted, checked, at_end)
     found = found.adding(describe_saturated(shoe, ended))
     if found.fails:
         return found
-    found = found.adding(describe_pulls(list(pulled.values())))
-    found = found.adding(describe_weights(wrong))
+    found = found.adding(describe_pulls(list(pulled.values())) + describe_weights(wrong))
     if found.fails:
         return found
-    minor = _minor(shoe, unloaded, rows, parts, watched, bent, information, settings)
-    found = found.adding(minor)
-    fitting = {run: one for run, one in rows.items() if run in unloaded or run in pulled}
-    fitted = {run: one for run, one in fitting.items() if run not in pulled}
-    parameters = solve(reweighed(fitted, information), information).parameters
-    watch = _Watch(shoe, parameters, weight, settings, ended)
+    found = found.adding(_minor(fitted, watched, bent))
+    fitting = [run for run in parts if run in unloaded.parts or run in pulled]
+    watch = _Watch(shoe, fitted.fit.parameters, weight, settings, ended)
     found = replace(found, load={run: watch.load(one) for run, one in aligned.items()})
     moments = {
         run: watch.moments(aligned[run], parts[run], lifting[run], aloft.get(run), pulled.get(run))
@@ -157,111 +150,67 @@ def screen_standing(
     return found
 
 
-def _ended(
-    sound: Mapping[int, Equations],
-    checked: Mapping[int, Equations],
-    parts: Mapping[int, Blocks],
-    at_end: Mapping[int, BoolArray],
-    information: FloatArray,
-    settings: CalibrationSettings,
-) -> list[Saturated]:
-    """Channels with an end in the runs that are checked, by gains of the sound ones.
+def _ended(fitted: Statics, checked: Statics, at_end: Mapping[int, BoolArray]) -> list[Saturated]:
+    """Channels with an end in the runs that are checked, by gains of those that are fitted.
 
     Args:
         at_end: (B,) blocks of each run that say nothing of the gains, see `flat`.
-        information: (2n,) prior, of gains and offsets.
     """
-    going = {run: one.part(~at_end[run]) for run, one in sound.items() if not at_end[run].all()}
-    fit = solve(reweighed(going, information), information)
-    missing = {run: settings.force_std_n * one.off(fit.vector)[0] for run, one in checked.items()}
-    return saturated({run: parts[run] for run in checked}, missing, fit.parameters, settings)
+    going = {
+        run: one.part(~at_end[run]) for run, one in fitted.rows.items() if not at_end[run].all()
+    }
+    fit = solve(reweighed(going, fitted.information), fitted.information)
+    missing = {run: checked.force_error(run, fit.vector) for run in checked.parts}
+    return saturated(checked.parts, missing, fit.parameters, checked.settings)
 
 
-def _flat(
-    shoe: Shoe,
-    rows: Mapping[int, Equations],
-    parts: Mapping[int, Blocks],
-    at_end: Mapping[int, BoolArray],
-    information: FloatArray,
-    settings: CalibrationSettings,
-) -> list[Finding]:
+def _flat(statics: Statics, at_end: Mapping[int, BoolArray]) -> list[Finding]:
     """Channels that have an end, where one stays there while its neighbours go on."""
     if not any(one.any() for one in at_end.values()):
         return []
-    found = _ended(rows, rows, parts, at_end, information, settings)
-    return describe_saturated(shoe, [one for one in found if one.share > SPOILS_SHARE])
+    found = _ended(statics, statics, at_end)
+    return describe_saturated(statics.shoe, [one for one in found if one.share > SPOILS_SHARE])
 
 
-def _varying(
-    shoe: Shoe,
-    rows: Mapping[int, Equations],
-    parts: Mapping[int, Blocks],
-    watched: Collection[int],
-    bent: Bending | None,
-    information: FloatArray,
-    weight: float,
-    settings: CalibrationSettings,
-) -> list[Finding]:
+def _varying(statics: Statics, watched: Collection[int], bent: Bending | None) -> list[Finding]:
     """What lets the vertical force vary by much in most runs: bent cells, cables, or a hand."""
-    wavers = wavering(rows, watched, information, weight, settings)
+    wavers = wavering(statics, watched)
     if wavers is None:
         return []
     if bent is not None:
-        return describe_bending(shoe, bent, refused=True)
-    wiring = check_wiring(shoe, parts, information, weight, settings)
-    return describe_wiring(shoe, wiring) if wiring.clear else describe_wavering(wavers)
+        return describe_bending(statics.shoe, bent, refused=True)
+    wiring = check_wiring(statics)
+    return describe_wiring(statics.shoe, wiring) if wiring.clear else describe_wavering(wavers)
 
 
-def _minor(
-    shoe: Shoe,
-    sound: Mapping[int, Equations],
-    rows: Mapping[int, Equations],
-    parts: Mapping[int, Blocks],
-    watched: Collection[int],
-    bent: Bending | None,
-    information: FloatArray,
-    settings: CalibrationSettings,
-) -> list[Finding]:
+def _minor(statics: Statics, watched: Collection[int], bent: Bending | None) -> list[Finding]:
     """What a calibration copes with; left to the last, as all else is likelier."""
-    hum = find_hum(rows, parts, watched, information, settings)
-    known = describe_hum(hum) + describe_bending(shoe, bent)
-    return known or describe_unexplained(unexplained(sound, information, settings))
+    known = describe_hum(find_hum(statics, watched)) + describe_bending(statics.shoe, bent)
+    return known or describe_unexplained(unexplained(statics))
 
 
-def _electrical(
-    shoe: Shoe,
-    rows: Mapping[int, Equations],
-    parts: Mapping[int, Blocks],
-    information: FloatArray,
-    weight: float,
-    height: float,
-    settings: CalibrationSettings,
-) -> list[Finding]:
+def _electrical(statics: Statics, height: float) -> list[Finding]:
     """The first fault of zeros, gains, cables and converter that is found.
 
     Their order is a decision: each of them looks like some of those that come after it.
 
     Args:
-        rows, parts: equations and blocks of each run.
-        information: (2n,) prior, of gains and offsets.
-        weight: of robot and shoes [N]. height: of the CoM over the floor [m].
+        height: of the CoM over the floor [m].
     """
-    at_zero = starts(parts)
-    tared = starts_at_zero(shoe, at_zero)
-    moved = moved_zeros(rows, information, weight, height, settings, tared, at_zero)
+    shoe = statics.shoe
+    moved = moved_zeros(statics, height)
     if moved is not None:
-        return describe_zeros(shoe, moved, weight)
-    wanders = wandering(shoe, rows, parts, information, weight, settings)
+        return describe_zeros(shoe, moved, statics.weight)
+    wanders = wandering(statics)
     if wanders is not None:
         return describe_wandering(shoe, wanders)
-    changed = changed_gains(rows, information, weight, settings)
+    changed = changed_gains(statics)
     if changed is not None:
         return describe_changed_gains(shoe, changed)
-    wiring = describe_wiring(shoe, check_wiring(shoe, parts, information, weight, settings))
     return (
-        wiring
-        or describe_leaking(shoe, leaking(shoe, parts, information, weight, settings))
-        or describe_turned_frames(turned_frames(shoe, parts, information, weight, settings))
+        describe_wiring(shoe, check_wiring(statics))
+        or describe_leaking(shoe, leaking(statics))
+        or describe_turned_frames(turned_frames(statics))
     )
 
 

@@ -6,7 +6,6 @@ each foot is fitted with them. Turns by right angles look like cables; see `wiri
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 from itertools import product
 
@@ -14,10 +13,8 @@ import numpy as np
 from scipy.optimize import minimize
 
 from shoecal_core.arrays import FloatArray
-from shoecal_core.screening.blocks import Blocks
 from shoecal_core.screening.faults import Fault
-from shoecal_core.screening.rough_fit import equations, solve_sums
-from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.rough_fit import Statics, solve
 from shoecal_core.screening.sideways import AXES
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import FEET, Shoe
@@ -34,33 +31,21 @@ START_RAD = np.radians(10.0)
 zero is the best of them, frames are off by about LEAST_RAD at most."""
 
 
-def turned_frames(
-    shoe: Shoe,
-    runs: Mapping[int, Blocks],
-    information: FloatArray,
-    weight: float,
-    settings: CalibrationSettings,
-) -> FloatArray | None:
+def turned_frames(statics: Statics) -> FloatArray | None:
     """(2,) by how much the frame of each foot is turned, counterclockwise from above [rad].
 
     None where nothing is, and for shoes without moments.
-
-    Args:
-        information: (2n,) prior; see `rough_fit.prior`.
-        weight: of robot and shoes [N].
     """
+    shoe = statics.shoe
     names = [f"{foot}/{axis}" for foot in FEET for axis in PAIRS[1]]
     if not set(names) <= set(shoe.names):
         return None
 
     def cost(angles: FloatArray) -> float:
-        sums = [
-            equations(
-                replace(one, columns=_turned(shoe, one.columns, angles)), weight, settings
-            ).sums()
-            for one in runs.values()
-        ]
-        return solve_sums(sums, information).cost
+        turned = statics.changed(
+            lambda one: replace(one, columns=_turned(shoe, one.columns, angles))
+        )
+        return solve(turned.rows, statics.information).cost
 
     starts = [np.array(pair) for pair in product((-START_RAD, 0.0, START_RAD), repeat=2)]
     start = min(starts, key=cost)

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
-from shoecal_core.arrays import FloatArray
 from shoecal_core.screening.faults import Fault
-from shoecal_core.screening.rough_fit import Equations, reweighed, solve
-from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.rough_fit import Statics
 from shoecal_core.screening.verdict import Finding
 
 LIMIT_STDS = 1.2
@@ -18,20 +14,12 @@ simulated and real, those with noisy six-axis sensors to 0.9; amplifiers that tr
 1.7."""
 
 
-def unexplained(
-    rows: Mapping[int, Equations], information: FloatArray, settings: CalibrationSettings
-) -> float:
-    """By how much the vertical forces vary about the weight (RMS) [N]; 0 where it is little.
-
-    Args:
-        rows: equations of each run.
-        information: (2n,) prior, of gains and offsets.
-    """
-    rows = reweighed(rows, information)
-    vector = solve(rows, information).vector
-    squares = sum(one.force_squares(vector) for one in rows.values())
-    stds = float(np.sqrt(squares / sum(float(one.weight.sum()) for one in rows.values())))
-    return settings.force_std_n * stds if stds > LIMIT_STDS else 0.0
+def unexplained(statics: Statics) -> float:
+    """By how much the vertical forces vary about the weight (RMS) [N]; 0 where it is little."""
+    rows = statics.robust.values()
+    squares = sum(one.force_squares(statics.fit.vector) for one in rows)
+    stds = float(np.sqrt(squares / sum(float(one.weight.sum()) for one in rows)))
+    return statics.settings.force_std_n * stds if stds > LIMIT_STDS else 0.0
 
 
 def describe_unexplained(size: float) -> list[Finding]:

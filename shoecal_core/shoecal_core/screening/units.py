@@ -14,7 +14,7 @@ import numpy as np
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.screening.blocks import blocks
 from shoecal_core.screening.faults import Fault
-from shoecal_core.screening.rough_fit import fit_roughly
+from shoecal_core.screening.rough_fit import Statics
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import Shoe
@@ -69,7 +69,7 @@ def other_units(
     if not aligned or not shoe.torque.any():
         return []
     parts = {run: blocks(one, shoe) for run, one in aligned.items()}
-    fit = fit_roughly(shoe, parts, weight, settings)
+    fit = Statics.of(shoe, parts, weight, settings).fit
     gain, std = (one[: len(shoe.names)] for one in (fit.vector, np.sqrt(np.diag(fit.covariance))))
     sheet = np.array([abs(one.nominal_gain or np.nan) for one in shoe.channels])
     ratio = np.abs(gain) / sheet

@@ -20,7 +20,7 @@ from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.screening.blocks import block_size, blocks, in_blocks
 from shoecal_core.screening.faults import Fault
-from shoecal_core.screening.rough_fit import equations, prior, reweighed, solve
+from shoecal_core.screening.rough_fit import Statics, solve
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import Shoe
@@ -80,11 +80,9 @@ def unmoved_joint(
     if not joints:
         return None
     parts = {run: blocks(one, shoe) for run, one in runs.items()}
-    information = prior(shoe, parts, robot.weight, settings)
-    rows = {run: equations(one, robot.weight, settings) for run, one in parts.items()}
-    rows = reweighed(rows, information)
+    statics = Statics.of(shoe, parts, robot.weight, settings)
     com = {run: kinematics.states(one).com[:, 0, :2] for run, one in angles.items()}
-    plain = solve(rows, information).cost
+    plain = statics.fit.cost
     found = list[tuple[float, Unmoved]]()
     for joint in joints:
         added = {}
@@ -93,11 +91,11 @@ def unmoved_joint(
             still[:, joint] = middle[joint]
             added[run] = com[run] - kinematics.states(still).com[:, 0, :2]
         changed = {
-            run: rows[run].with_columns(_moments(one, settings.cop_std_m))
+            run: statics.robust[run].with_columns(_moments(one, settings.cop_std_m))
             for run, one in added.items()
         }
         # Any share is possible, as far as is known before.
-        fit = solve(changed, np.append(information, 1.0))
+        fit = solve(changed, np.append(statics.information, 1.0))
         std = float(np.sqrt(fit.covariance[-1, -1]))
         size = max(float(np.ptp(one, axis=0).max()) for one in added.values())
         name = robot.joint_names[joint]

@@ -10,16 +10,13 @@ and themselves by, and no other one nearly as well, is named.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from shoecal_core.arrays import FloatArray
-from shoecal_core.screening.blocks import Blocks
 from shoecal_core.screening.faults import Fault
-from shoecal_core.screening.rough_fit import Equations, reweighed, solve
-from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.rough_fit import Statics, solve
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import Shoe
 
@@ -48,61 +45,40 @@ class Wandering:
     kept: bool
 
 
-def wandering(
-    shoe: Shoe,
-    runs: Mapping[int, Equations],
-    parts: Mapping[int, Blocks],
-    information: FloatArray,
-    weight: float,
-    settings: CalibrationSettings,
-) -> Wandering | None:
-    """The one-axis cell whose zero wanders; None where none does.
-
-    Args:
-        shoe: whose n channels they are.
-        runs, parts: equations and blocks of each run.
-        information: (2n,) prior, of gains and offsets.
-        weight: of robot and shoes [N].
-    """
-    runs = reweighed(runs, information)
-    none = solve(runs, information).cost
-    cells = [k for k, channel in enumerate(shoe.channels) if channel.column[0] == 1.0]
-    found = [(*_with_own(channel, runs, parts, information, weight), channel) for channel in cells]
+def wandering(statics: Statics) -> Wandering | None:
+    """The one-axis cell whose zero wanders; None where none does."""
+    none, weight = statics.fit.cost, statics.weight
+    cells = [k for k, one in enumerate(statics.shoe.channels) if one.column[0] == 1.0]
+    found = [(*_with_own(channel, statics), channel) for channel in cells]
     if len(found) < 2:
         return None
     (best, force, within, channel), (second, *_) = sorted(found)[:2]
-    least = max(LEAST_SHARE * weight, settings.force_std_n)
+    least = max(LEAST_SHARE * weight, statics.settings.force_std_n)
     if force < least or best > LEFT * none or second < NEXT * best:
         return None
     # One run under a load at a cell's corner looks like another zero of it: that run is left out.
-    if min(_loaded(run, runs, information, weight) for run in runs) < best:
+    if min(_loaded(run, statics) for run in statics.parts) < best:
         return None
     return Wandering(channel, force, within < KEPT * force)
 
 
-def _loaded(
-    run: int, runs: Mapping[int, Equations], information: FloatArray, weight: float
-) -> float:
+def _loaded(run: int, statics: Statics) -> float:
     """The misfit with a constant load anywhere in one run."""
     loaded = {
         other: one.with_columns(
             np.broadcast_to(np.eye(3)[:, None] * (other == run), (3, one.matrix.shape[1], 3))
         )
-        for other, one in runs.items()
+        for other, one in statics.robust.items()
     }
-    return solve(loaded, np.concatenate((information, np.full(3, weight**-2.0)))).cost
+    load = np.full(3, statics.weight**-2.0)
+    return solve(loaded, np.concatenate((statics.information, load))).cost
 
 
-def _with_own(
-    channel: int,
-    runs: Mapping[int, Equations],
-    parts: Mapping[int, Blocks],
-    information: FloatArray,
-    weight: float,
-) -> tuple[float, float, float]:
+def _with_own(channel: int, statics: Statics) -> tuple[float, float, float]:
     """The misfit with zeros and drifts of one channel, how far its zero then wanders, and how far
     within a run [N].
     """
+    runs, parts, information = statics.robust, statics.parts, statics.information
     count, own = 2 * len(runs), {}
     changes: dict[int, FloatArray] = {}
     for at, (run, one) in enumerate(runs.items()):
@@ -113,7 +89,7 @@ def _with_own(
         columns[:, :, 2 * at : 2 * at + 2] = column * courses
         own[run] = one.with_columns(columns)
         changes[run] = courses
-    fit = solve(own, np.concatenate((information, np.full(count, weight**-2.0))))
+    fit = solve(own, np.concatenate((information, np.full(count, statics.weight**-2.0))))
     extra = fit.vector[len(information) :].reshape(len(runs), 2)
     course = np.concatenate([changes[run] @ mine for run, mine in zip(runs, extra, strict=True)])
     return fit.cost, float(np.ptp(course)), float(np.abs(extra[:, 1]).max())

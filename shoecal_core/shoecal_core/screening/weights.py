@@ -6,15 +6,13 @@ all runs have in common looks like wrong gains.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from shoecal_core.arrays import FloatArray
 from shoecal_core.screening.faults import Fault
-from shoecal_core.screening.rough_fit import Equations, RoughFit, reweighed, solve
-from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.rough_fit import Statics
 from shoecal_core.screening.verdict import Finding
 
 OFF_STDS = 4.0
@@ -40,41 +38,31 @@ class WrongWeight:
     undecided: bool = False
 
 
-def wrong_weights(
-    runs: Mapping[int, Equations], information: FloatArray, settings: CalibrationSettings
-) -> list[WrongWeight]:
+def wrong_weights(statics: Statics) -> list[WrongWeight]:
     """Runs that do not agree with the others, the worst first, as long as most do agree.
 
-    With prior information (2n,) on gains and offsets. Two runs that do not agree are both
-    returned: which of them is right is unknown.
+    Two runs that do not agree are both returned: which of them is right is unknown.
     """
-    kept, found = dict(runs), list[WrongWeight]()
-    while len(kept) > 1:
-        excesses = [_excess(run, kept, information, settings) for run in kept]
+    kept, found = statics, list[WrongWeight]()
+    while len(kept.parts) > 1:
+        excesses = [_excess(run, kept) for run in kept.parts]
         worst = max(excesses, key=lambda one: abs(one.excess) / one.limit)
         if abs(worst.excess) <= worst.limit:
             break
-        if len(kept) == 2:
+        if len(kept.parts) == 2:
             return found + [replace(one, undecided=True) for one in excesses]
         found.append(worst)
-        del kept[worst.run]
+        kept = kept.without({worst.run})
     return found
 
 
-def _excess(
-    run: int,
-    runs: Mapping[int, Equations],
-    information: FloatArray,
-    settings: CalibrationSettings,
-) -> WrongWeight:
-    others = {number: one for number, one in runs.items() if number != run}
-    fit: RoughFit = solve(reweighed(others, information), information)
+def _excess(run: int, runs: Statics) -> WrongWeight:
+    fit, std = runs.without({run}).fit, runs.settings.force_std_n
+    excess = float(np.median(runs.force_error(run, fit.vector)))
     # The rows of the force, in newtons.
-    rows = settings.force_std_n * runs[run].matrix[0]
-    excess = settings.force_std_n * float(np.median(runs[run].off(fit.vector)[0]))
-    typical = np.median(rows, axis=0)
+    typical = std * np.median(runs.rows[run].matrix[0], axis=0)
     left_open = float(np.sqrt(typical @ fit.covariance @ typical))
-    return WrongWeight(run, excess, OFF_STDS * settings.force_std_n + OPEN_STDS * left_open)
+    return WrongWeight(run, excess, OFF_STDS * std + OPEN_STDS * left_open)
 
 
 def describe_weights(found: Sequence[WrongWeight]) -> list[Finding]:

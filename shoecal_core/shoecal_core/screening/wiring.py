@@ -16,10 +16,8 @@ from itertools import combinations, product
 import numpy as np
 
 from shoecal_core.arrays import BoolArray, FloatArray, IntArray
-from shoecal_core.screening.blocks import Blocks
 from shoecal_core.screening.faults import Fault
-from shoecal_core.screening.rough_fit import RoughFit, equations, solve_sums
-from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.rough_fit import RoughFit, Statics, solve_sums
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import FEET, Shoe
 
@@ -68,31 +66,19 @@ class WiringFaults:
     clear: bool = field(default=False, compare=False)
 
 
-def check_wiring(
-    shoe: Shoe,
-    runs: Mapping[int, Blocks],
-    information: FloatArray,
-    weight: float,
-    settings: CalibrationSettings,
-) -> WiringFaults:
+def check_wiring(statics: Statics) -> WiringFaults:
     """Compare the cables as they should be with every exchange of two cells, or of both feet.
 
     A single bad run may fit a wrong exchange better: what is found must hold without any one of
     the runs, too.
-
-    Args:
-        information: (2n,) prior; see `rough_fit.prior`.
-        weight: of robot and shoes [N].
     """
+    shoe = statics.shoe
     right = np.arange(len(shoe.names))
     places = [right, *(exchanged(right, pairs) for pairs in exchanges(shoe))]
-    tried = [_without_each(runs, place, information, weight, settings) for place in places]
+    tried = [_without_each(statics, place) for place in places]
     best = int(np.argmin([one.fits[0].cost for one in tried]))
-    least = settings.cop_std_m
     clear = tried[best].fits[0].cost < CLEAR_SHARE * tried[0].fits[0].cost
-    against, there = (
-        _inverted(shoe, places[at], tried[at], runs, weight, least) for at in (0, best)
-    )
+    against, there = (_inverted(statics, places[at], tried[at]) for at in (0, best))
     # What is upside down where it should be, and is not elsewhere, belongs there.
     turned = against.any() and not there.any()
     if _better(tried[best], tried[0], least=0.0 if turned else BETTER):
@@ -102,7 +88,7 @@ def check_wiring(
     return WiringFaults(
         inverted=tuple(np.flatnonzero(against).tolist()),
         swapped=tuple((int(k), int(places[best][k])) for k in np.flatnonzero(places[best] > right)),
-        contradicting=_contradicting(shoe, tried[best], runs, weight, least),
+        contradicting=_contradicting(statics, tried[best]),
         clear=clear,
     )
 
@@ -115,45 +101,26 @@ class _Tried:
     count: list[float]
 
 
-def _without_each(
-    runs: Mapping[int, Blocks],
-    place: IntArray,
-    information: FloatArray,
-    weight: float,
-    settings: CalibrationSettings,
-) -> _Tried:
-    """Fits with the channels at other places."""
-    sums = [
-        equations(replace(one, columns=one.columns[place]), weight, settings).sums()
-        for one in runs.values()
-    ]
+def _without_each(statics: Statics, place: IntArray) -> _Tried:
+    """Fits with the channels at other places (n,)."""
+    there = statics.changed(lambda one: replace(one, columns=one.columns[place]))
+    sums = [one.sums() for one in there.rows.values()]
     subsets = [sums] + [sums[:index] + sums[index + 1 :] for index in range(len(sums))]
     return _Tried(
-        [solve_sums(subset, information) for subset in subsets],
+        [solve_sums(subset, statics.information) for subset in subsets],
         [sum(one.count for one in subset) for subset in subsets],
     )
 
 
-def _inverted(
-    shoe: Shoe,
-    place: IntArray,
-    tried: _Tried,
-    runs: Mapping[int, Blocks],
-    weight: float,
-    least: float,
-) -> BoolArray:
+def _inverted(statics: Statics, place: IntArray, tried: _Tried) -> BoolArray:
     """(n,) channels of the other sign in every fit; of sideways axes it is not known.
 
     One that moves the CoP of half the weight by less than the model knows it is not judged.
-
-    Args:
-        least: how well the CoP is known [m].
     """
+    shoe = statics.shoe
     signs = [_against(shoe.polarity[place], fit) for fit in tried.fits]
-    readings = np.concatenate([one.readings for one in runs.values()])
-    moved = np.abs(tried.fits[0].parameters.gain) * readings.std(axis=0)
-    lever = np.linalg.norm(shoe.columns[place, 1:], axis=1)
-    judged = shoe.vertical[place] | (2.0 * moved * lever / (0.5 * weight) > least)
+    gain, lever = tried.fits[0].parameters.gain, np.linalg.norm(shoe.columns[place, 1:], axis=1)
+    judged = shoe.vertical[place] | _moves(statics, gain, lever)
     return np.asarray(np.all(signs, axis=0) & judged & ~_sideways(shoe)[place])
 
 
@@ -162,19 +129,18 @@ def _sideways(shoe: Shoe) -> BoolArray:
     return np.asarray(~shoe.vertical & ~shoe.torque)
 
 
-def _contradicting(
-    shoe: Shoe, tried: _Tried, runs: Mapping[int, Blocks], weight: float, least: float
-) -> tuple[tuple[int, int], ...]:
-    """Sideways axes of both feet: if one is right, the other has the wrong sign in every fit.
+def _moves(statics: Statics, gain: FloatArray, lever: FloatArray) -> BoolArray:
+    """(n,) channels that move the CoP by more than it is known, by gains and levers (n,) [m]."""
+    readings = np.concatenate([one.readings for one in statics.parts.values()])
+    moment = 2.0 * np.abs(gain) * readings.std(axis=0) * lever
+    return np.asarray(moment / (0.5 * statics.weight) > statics.settings.cop_std_m)
 
-    Args:
-        least: how well the CoP is known [m].
-    """
-    readings = np.concatenate([one.readings for one in runs.values()])
+
+def _contradicting(statics: Statics, tried: _Tried) -> tuple[tuple[int, int], ...]:
+    """Sideways axes of both feet: if one is right, the other has the wrong sign in every fit."""
+    shoe = statics.shoe
     gain = shoe.polarity * np.array([abs(one.nominal_gain or 1.0) for one in shoe.channels])
-    lever = np.linalg.norm(shoe.columns[:, 1:], axis=1)
-    judged = 2.0 * np.abs(gain) * readings.std(axis=0) * lever / (0.5 * weight) > least
-    judged &= _sideways(shoe)
+    judged = _moves(statics, gain, np.linalg.norm(shoe.columns[:, 1:], axis=1)) & _sideways(shoe)
     return tuple(
         (one, twin)
         for one, twin in of_feet(shoe)

@@ -17,8 +17,7 @@ import numpy as np
 from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.screening.blocks import Blocks
 from shoecal_core.screening.faults import Fault
-from shoecal_core.screening.rough_fit import Equations, reweighed, solve
-from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.rough_fit import Equations, Statics, deviations, reweighed, solve
 from shoecal_core.screening.verdict import Finding, name_runs
 from shoecal_core.shoe.priors import TORQUE_LEVER_M
 from shoecal_core.shoe.shoe import FEET, Shoe
@@ -41,8 +40,13 @@ NO_BETTER = 0.5
 
 AT_ZERO = 0.05
 """Share of its range in a run by which each channel of a foot may start off zero after a tare."""
+BOTH_AT_ZERO = 0.15
+"""The same of the other foot, up to which it was zeroed, too."""
 CHANNEL_AT_ZERO = 0.01
 """The same of a channel by itself, which chance brings there sooner than all of a foot."""
+BESIDES = 0.3
+"""Of a run's own wrench, what those of channels that start at zero leave at most: a load is carried
+elsewhere."""
 
 
 @dataclass(frozen=True)
@@ -66,31 +70,22 @@ class MovedZeros:
     channels: tuple[int, ...] = ()
 
 
-def moved_zeros(
-    runs: Mapping[int, Equations],
-    information: FloatArray,
-    weight: float,
-    height: float,
-    settings: CalibrationSettings,
-    tared: Mapping[int, tuple[int, ...]] | None = None,
-    at_zero: Mapping[int, FloatArray] | None = None,
-) -> MovedZeros | None:
+def moved_zeros(statics: Statics, height: float) -> MovedZeros | None:
     """Whether zeros moved between runs by what only a tare under load moves them by.
 
     Args:
-        runs: equations of each.
-        information: (2n,) prior, of gains and offsets.
-        weight: of robot and shoes [N]. height: of its CoM over the floor [m].
-        tared: by foot, the runs that start with all of its readings at zero; see `starts_at_zero`.
-        at_zero: (n,) by run, how far each channel starts off zero; see `starts`.
+        height: of the CoM over the floor [m].
 
     Returns:
         None where they did not.
     """
-    shift, left, common = _shifts(runs, information, weight, settings)
+    at_zero = starts(statics.parts)
+    tared = starts_at_zero(statics.shoe, at_zero)
+    shift, left, common = _shifts(statics)
     if left > LEFT:
         return None
-    numbers, scale = list(runs), np.array([1.0, TILT_RAD * height, TILT_RAD * height]) * weight
+    numbers, weight = list(statics.parts), statics.weight
+    scale = np.array([1.0, TILT_RAD * height, TILT_RAD * height]) * weight
     away = np.linalg.norm((shift - np.median(shift, axis=0)) / scale, axis=1)
     at = int(np.argmin(away))
     # A tare of one foot hides what it carried, which is another load before each run.
@@ -98,7 +93,7 @@ def moved_zeros(
         every = {run for one in tared.values() for run in one}
         rest = tuple(run for run in numbers if run not in every)
         return MovedZeros((), rest, {}, tared=tared)
-    odd = _odd([numbers[one] for one in np.argsort(-away)], common, information, weight, settings)
+    odd = _odd([numbers[one] for one in np.argsort(-away)], common)
     less, more, cop = list[int](), list[int](), dict[int, float]()
     for run, (force, *moment) in zip(numbers, shift - shift[at], strict=True):
         if abs(abs(force) - weight) < WHOLE * weight:
@@ -113,24 +108,22 @@ def moved_zeros(
         return MovedZeros(tuple(less), rest, cop)
     # A tare takes away the zeros, too: what it hides need not be the weight, nor a part of it.
     rest = tuple(run for run in numbers if run not in odd)
-    if at_zero and not cop and len(zeroed := _only(at_zero, odd, rest)):
-        return MovedZeros(odd, rest, {}, channels=tuple(zeroed.tolist()))
+    if not cop and len(zeroed := _only(at_zero, odd, rest)):
+        usual = np.median([shift[numbers.index(run)] for run in rest], axis=0)
+        own = {run: shift[numbers.index(run)] - usual for run in odd}
+        columns = {run: statics.parts[run].columns[zeroed] for run in odd}
+        if all(_besides(own[run] / scale, columns[run] / scale) < BESIDES for run in odd):
+            return MovedZeros(odd, rest, {}, channels=tuple(zeroed.tolist()))
     if apart := _apart(numbers, shift[:, 0], weight):
         return apart
     return MovedZeros((), (numbers[at],), cop) if cop else None
 
 
-def _odd(
-    order: Sequence[int],
-    runs: Mapping[int, Equations],
-    information: FloatArray,
-    weight: float,
-    settings: CalibrationSettings,
-) -> tuple[int, ...]:
+def _odd(order: Sequence[int], runs: Statics) -> tuple[int, ...]:
     """The fewest runs, of an order, whose own zeros alone explain what the runs contradict."""
-    none = before = max(solve(runs, information).cost, LEAST_COST)
+    none = before = max(solve(runs.rows, runs.information).cost, LEAST_COST)
     for count in range(1, len(order)):
-        left = solve(*with_own(runs, order[:count], information, weight, settings)).cost
+        left = solve(*with_own(runs, order[:count])).cost
         if before <= LEFT * none and left > NO_BETTER * before:
             return tuple(sorted(order[: count - 1]))
         before = left
@@ -148,9 +141,9 @@ def starts_at_zero(shoe: Shoe, at_zero: Mapping[int, FloatArray]) -> dict[int, t
     """
     found: dict[int, list[int]] = {}
     for run, off in at_zero.items():
-        feet = [foot for foot in range(len(FEET)) if (off[shoe.of_foot(foot)] <= AT_ZERO).all()]
-        if len(feet) == 1:
-            found.setdefault(feet[0], []).append(run)
+        most = np.array([off[shoe.of_foot(foot)].max() for foot in range(len(FEET))])
+        if most.min() <= AT_ZERO and most.max() > BOTH_AT_ZERO:
+            found.setdefault(int(np.argmin(most)), []).append(run)
     return {foot: tuple(numbers) for foot, numbers in sorted(found.items())}
 
 
@@ -166,6 +159,13 @@ def _only(off: Mapping[int, FloatArray], runs: Sequence[int], rest: Sequence[int
     """Channels that start at zero in all of some runs, and in none of the rest."""
     there = np.all([off[run] <= CHANNEL_AT_ZERO for run in runs], axis=0)
     return np.flatnonzero(there & np.all([off[run] > AT_ZERO for run in rest], axis=0))
+
+
+def _besides(wrench: FloatArray, columns: FloatArray) -> float:
+    """Share of a wrench (3,) that no zeros of k channels, whose columns are (k, 3), make up."""
+    size, *_ = np.linalg.lstsq(columns.T, wrench, rcond=None)
+    left = float(np.linalg.norm(wrench - size @ columns))
+    return left / max(float(np.linalg.norm(wrench)), 1e-30)
 
 
 def _apart(runs: Sequence[int], force: FloatArray, weight: float) -> MovedZeros | None:
@@ -189,47 +189,34 @@ def _apart(runs: Sequence[int], force: FloatArray, weight: float) -> MovedZeros 
     return MovedZeros(first, second, {}, apart)
 
 
-def _shifts(
-    runs: Mapping[int, Equations],
-    information: FloatArray,
-    weight: float,
-    settings: CalibrationSettings,
-) -> tuple[FloatArray, float, dict[int, Equations]]:
+def _shifts(runs: Statics) -> tuple[FloatArray, float, Statics]:
     """(R, 3) the runs' own wrenches [N, N m], the share of the misfit that they leave, and the
-    equations without them, weighted as they are with them.
+    runs with the weights that their blocks have then.
     """
-    own, whole = with_own(runs, tuple(runs), information, weight, settings)
+    own, whole = with_own(runs, tuple(runs.parts))
     own = reweighed(own, whole)
     fit = solve(own, whole)
-    common = {run: replace(one, weight=own[run].weight) for run, one in runs.items()}
-    left = fit.cost / max(solve(common, information).cost, LEAST_COST)
-    return fit.vector[len(information) :].reshape(len(runs), 3), left, common
+    rows = {run: replace(one, weight=own[run].weight) for run, one in runs.rows.items()}
+    left = fit.cost / max(solve(rows, runs.information).cost, LEAST_COST)
+    shift = fit.vector[len(runs.information) :].reshape(len(rows), 3)
+    return shift, left, replace(runs, rows=rows)
 
 
-def with_own(
-    runs: Mapping[int, Equations],
-    free: Sequence[int],
-    information: FloatArray,
-    weight: float,
-    settings: CalibrationSettings,
-) -> tuple[dict[int, Equations], FloatArray]:
+def with_own(runs: Statics, free: Sequence[int]) -> tuple[dict[int, Equations], FloatArray]:
     """Equations in which the runs in `free` have wrenches of their own, and the prior information.
 
     The information (2n + 3r,) is that of gains and offsets (2n,) and of the wrenches of r runs.
     """
-    count = len(free)
-    moment = settings.cop_std_m * weight
-    std = np.array([settings.force_std_n, moment, moment])
-    own = {}
-    for run, one in runs.items():
+    count, own = len(free), {}
+    scale = 1.0 / deviations(runs.weight, runs.settings)
+    for run, one in runs.rows.items():
         columns = np.zeros((3, one.matrix.shape[1], count, 3))
         if run in free:
-            columns[np.arange(3), :, free.index(run), np.arange(3)] = 1.0 / std[:, None]
-        flat = columns.reshape(3, -1, 3 * count)
-        own[run] = one.with_columns(flat)
+            columns[np.arange(3), :, free.index(run), np.arange(3)] = scale[:, None]
+        own[run] = one.with_columns(columns.reshape(3, -1, 3 * count))
     # A tare takes away what stood on the channels: no more than the weight.
-    usual = weight * np.array([1.0, TORQUE_LEVER_M, TORQUE_LEVER_M])
-    return own, np.concatenate((information, np.tile(usual**-2.0, count)))
+    usual = runs.weight * np.array([1.0, TORQUE_LEVER_M, TORQUE_LEVER_M])
+    return own, np.concatenate((runs.information, np.tile(usual**-2.0, count)))
 
 
 def describe_zeros(shoe: Shoe, found: MovedZeros, weight: float) -> list[Finding]:

@@ -16,6 +16,8 @@ from shoecal_core.recording.run import JointSamples, Readings, Run
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.kinematics import BodyStates
 from shoecal_core.samples.aligned import Aligned
+from shoecal_core.screening.blocks import blocks
+from shoecal_core.screening.rough_fit import Statics
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters, at_cop, combined, cop, weight_below
@@ -38,6 +40,12 @@ class Recording:
     shoe: Shoe
     parameters: ChannelParameters
     aligned: Mapping[int, Aligned]
+
+    @property
+    def statics(self) -> Statics:
+        """What screening solves."""
+        parts = {number: blocks(one, self.shoe) for number, one in self.aligned.items()}
+        return Statics.of(self.shoe, parts, WEIGHT, SETTINGS)
 
     @property
     def runs(self) -> dict[int, Run]:

@@ -5,20 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.screening.recordings import SETTINGS, WEIGHT, Recording, recording
+from core.screening.recordings import Recording, recording
 from core.screening.test_screen import screened
 from shoecal_core.arrays import FloatArray
 from shoecal_core.screening.bending import Bending, bending
-from shoecal_core.screening.blocks import blocks
 from shoecal_core.screening.faults import Fault
-from shoecal_core.screening.rough_fit import equations, prior
 
 
 def found(whole: Recording) -> Bending | None:
-    parts = {run: blocks(one, whole.shoe) for run, one in whole.aligned.items()}
-    information = prior(whole.shoe, parts, WEIGHT, SETTINGS)
-    rows = {run: equations(one, WEIGHT, SETTINGS) for run, one in parts.items()}
-    return bending(whole.shoe, rows, parts, information)
+    return bending(whole.statics)
 
 
 def compressed(whole: Recording, share: float) -> Recording:

@@ -7,20 +7,16 @@ import re
 import numpy as np
 import pytest
 
-from core.screening.recordings import SETTINGS, WEIGHT, Recording, read_coarsely, recording
+from core.screening.recordings import Recording, read_coarsely, recording
 from core.screening.test_screen import screened
 from core.screening.test_weights import carrying
 from shoecal_core.arrays import FloatArray
-from shoecal_core.screening.blocks import blocks
 from shoecal_core.screening.changed_gains import ChangedGains, changed_gains, describe_changed_gains
 from shoecal_core.screening.faults import Fault
-from shoecal_core.screening.rough_fit import equations, prior
 
 
 def found(whole: Recording) -> ChangedGains | None:
-    cut = {run: blocks(one, whole.shoe) for run, one in whole.aligned.items()}
-    rows = {run: equations(one, WEIGHT, SETTINGS) for run, one in cut.items()}
-    return changed_gains(rows, prior(whole.shoe, cut, WEIGHT, SETTINGS), WEIGHT, SETTINGS)
+    return changed_gains(whole.statics)
 
 
 def reading(whole: Recording, runs: tuple[int, ...], times: FloatArray) -> Recording:

@@ -8,7 +8,6 @@ import pytest
 from core.screening.recordings import SETTINGS, WEIGHT, Recording, recording
 from core.shoe.shoes import made, six_axis
 from shoecal_core.arrays import FloatArray
-from shoecal_core.screening.blocks import blocks
 from shoecal_core.screening.exchanged_runs import ExchangedRuns, exchanged_runs
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.screen import screen
@@ -16,8 +15,7 @@ from shoecal_core.screening.wiring import exchanged, of_feet
 
 
 def found(whole: Recording) -> ExchangedRuns | None:
-    cut = {run: blocks(one, whole.shoe) for run, one in whole.aligned.items()}
-    return exchanged_runs(whole.shoe, cut, WEIGHT, SETTINGS)
+    return exchanged_runs(whole.statics)
 
 
 def with_exchanged(whole: Recording, *runs: int) -> Recording:

@@ -7,10 +7,8 @@ import pytest
 
 from core.screening.recordings import RATE, SETTINGS, WEIGHT, Recording, recording
 from shoecal_core.arrays import FloatArray
-from shoecal_core.screening.blocks import blocks
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.hum import Hum, find_hum
-from shoecal_core.screening.rough_fit import equations, prior
 from shoecal_core.screening.screen import screen
 
 
@@ -26,10 +24,7 @@ def with_hum(whole: Recording, frequency: float, size: float = 0.8) -> Recording
 
 
 def found(whole: Recording) -> Hum | None:
-    parts = {run: blocks(one, whole.shoe) for run, one in whole.aligned.items()}
-    information = prior(whole.shoe, parts, WEIGHT, SETTINGS)
-    rows = {run: equations(one, WEIGHT, SETTINGS) for run, one in parts.items()}
-    return find_hum(rows, parts, list(parts), information, SETTINGS)
+    return find_hum(whole.statics, list(whole.aligned))
 
 
 @pytest.mark.parametrize("frequency", [0.24, 0.4, 1.1])

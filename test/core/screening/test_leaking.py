@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from core.screening.recordings import SETTINGS, WEIGHT, Recording, read_coarsely, recording
+from core.screening.recordings import Recording, read_coarsely, recording
 from core.screening.test_screen import screened
 from core.screening.test_weights import carrying
 from core.shoe import shoes
-from shoecal_core.screening.blocks import blocks
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.leaking import (
     LONGEST_BLOCK_S,
@@ -20,7 +21,6 @@ from shoecal_core.screening.leaking import (
     mixing,
     orders,
 )
-from shoecal_core.screening.rough_fit import prior
 
 SIX_AXIS = shoes.made(
     [*shoes.six_axis(0, [0.0, 0.01, 0.03]), *shoes.six_axis(1, [0.0, -0.01, 0.03])]
@@ -29,9 +29,7 @@ FILE = ((0, 1, 2, 3), (4, 5, 6, 7))
 
 
 def found(whole: Recording) -> Leak | None:
-    cut = {run: blocks(one, whole.shoe) for run, one in whole.aligned.items()}
-    information = prior(whole.shoe, cut, WEIGHT, SETTINGS)
-    return leaking(whole.shoe, cut, information, WEIGHT, SETTINGS)
+    return leaking(whole.statics)
 
 
 def leaky(whole: Recording, chains: Chains, share: float) -> Recording:
@@ -92,14 +90,10 @@ def test_six_axis_sensors_are_not_looked_at() -> None:
 
 
 def test_stamps_in_bunches_leave_too_few_blocks() -> None:
-    whole = leaky(recording(count=3), FILE, 0.2)
-    cut = {run: blocks(one, whole.shoe) for run, one in whole.aligned.items()}
-    information = prior(whole.shoe, cut, WEIGHT, SETTINGS)
-    slower = {
-        run: type(one)(**{**vars(one), "time": one.time * 6.0 * LONGEST_BLOCK_S})
-        for run, one in cut.items()
-    }
-    assert leaking(whole.shoe, slower, information, WEIGHT, SETTINGS) is None
+    quick = leaky(recording(count=3), FILE, 0.2).statics
+    slower = quick.changed(lambda one: replace(one, time=one.time * 6.0 * LONGEST_BLOCK_S))
+    assert leaking(quick) is not None
+    assert leaking(slower) is None
 
 
 def test_many_cells_are_tried_in_the_order_of_the_file_and_its_reverse() -> None:

@@ -5,20 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.screening.recordings import SETTINGS, WEIGHT, Recording, recording
-from shoecal_core.screening.blocks import Blocks, blocks
-from shoecal_core.screening.rough_fit import equations, prior, reweighed, solve
-
-
-def parts(whole: Recording) -> dict[int, Blocks]:
-    return {run: blocks(one, whole.shoe) for run, one in whole.aligned.items()}
+from core.screening.recordings import Recording, recording
+from shoecal_core.screening.blocks import blocks
 
 
 def gains(whole: Recording) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    cut = parts(whole)
-    information = prior(whole.shoe, cut, WEIGHT, SETTINGS)
-    rows = {run: equations(one, WEIGHT, SETTINGS) for run, one in cut.items()}
-    return solve(reweighed(rows, information), information).parameters.gain
+    return whole.statics.fit.parameters.gain
 
 
 def test_blocks_are_medians() -> None:
@@ -40,8 +32,7 @@ def test_gains_are_found_with_their_signs(shoe: str) -> None:
 def test_the_equations_are_met_by_the_truth() -> None:
     whole = recording(noise=0.0)
     vector = np.concatenate((whole.parameters.gain, whole.parameters.offset))
-    for one in parts(whole).values():
-        rows = equations(one, WEIGHT, SETTINGS)
+    for rows in whole.statics.rows.values():
         force, *moments = rows.off(vector)
         # The cells' medians are not all of one instant.
         assert np.abs(force).max() < 0.2

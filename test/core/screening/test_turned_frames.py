@@ -5,11 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.screening.recordings import SETTINGS, WEIGHT, Recording, recording
+from core.screening.recordings import Recording, recording
 from core.shoe.shoes import made, six_axis
 from shoecal_core.arrays import FloatArray
-from shoecal_core.screening.blocks import blocks
-from shoecal_core.screening.rough_fit import prior
 from shoecal_core.screening.turned_frames import describe_turned_frames, turned_frames
 
 SHOE = made([*six_axis(0, [0.0, 0.01, 0.03]), *six_axis(1, [0.0, -0.01, 0.03])])
@@ -34,9 +32,7 @@ def recorded(seed: int, degrees: tuple[float, float]) -> Recording:
 
 
 def found(whole: Recording) -> FloatArray | None:
-    parts = {run: blocks(one, whole.shoe) for run, one in whole.aligned.items()}
-    information = prior(whole.shoe, parts, WEIGHT, SETTINGS)
-    return turned_frames(whole.shoe, parts, information, WEIGHT, SETTINGS)
+    return turned_frames(whole.statics)
 
 
 @pytest.mark.parametrize("seed", [1, 2])

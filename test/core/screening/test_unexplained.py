@@ -5,18 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.screening.recordings import RATE, SETTINGS, WEIGHT, Recording, recording
+from core.screening.recordings import RATE, Recording, recording
 from shoecal_core.arrays import FloatArray
-from shoecal_core.screening.blocks import blocks
 from shoecal_core.screening.faults import Fault
-from shoecal_core.screening.rough_fit import equations, prior
 from shoecal_core.screening.unexplained import describe_unexplained, unexplained
 
 
 def size(whole: Recording) -> float:
-    parts = {run: blocks(one, whole.shoe) for run, one in whole.aligned.items()}
-    rows = {run: equations(one, WEIGHT, SETTINGS) for run, one in parts.items()}
-    return unexplained(rows, prior(whole.shoe, parts, WEIGHT, SETTINGS), SETTINGS)
+    return unexplained(whole.statics)
 
 
 def tracking(whole: Recording) -> Recording:

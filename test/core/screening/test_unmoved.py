@@ -12,7 +12,7 @@ from shoecal_core.estimation.session_data import SessionData, load_data
 from shoecal_core.recording.session import Session
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.screening.blocks import blocks
-from shoecal_core.screening.rough_fit import fit_roughly
+from shoecal_core.screening.rough_fit import Statics
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.screening.unmoved import Unmoved, describe_unmoved, unmoved_joint
 
@@ -56,7 +56,7 @@ def test_an_arm_that_stays_is_named(data: SessionData) -> None:
 def test_an_arm_that_moves_is_not(data: SessionData) -> None:
     shoe, weight = data.shoe, data.robot.weight
     parts = {run: blocks(one, shoe) for run, one in data.aligned.items()}
-    gain = fit_roughly(shoe, parts, weight, SETTINGS).parameters.gain
+    gain = Statics.of(shoe, parts, weight, SETTINGS).fit.parameters.gain
     moving = {}
     for run, one in with_swing(data).items():
         shift = one.states.com[:, 0, :2] - data.aligned[run].states.com[:, 0, :2]

@@ -4,16 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from core.screening.recordings import SETTINGS, WEIGHT, Recording, recording
-from shoecal_core.screening.blocks import blocks
-from shoecal_core.screening.rough_fit import equations, prior
+from core.screening.recordings import Recording, recording
 from shoecal_core.screening.weights import WrongWeight, wrong_weights
 
 
 def found(whole: Recording) -> list[WrongWeight]:
-    cut = {run: blocks(one, whole.shoe) for run, one in whole.aligned.items()}
-    rows = {run: equations(one, WEIGHT, SETTINGS) for run, one in cut.items()}
-    return wrong_weights(rows, prior(whole.shoe, cut, WEIGHT, SETTINGS), SETTINGS)
+    return wrong_weights(whole.statics)
 
 
 def carrying(whole: Recording, run: int, newtons: float) -> Recording:

@@ -8,24 +8,19 @@ import numpy as np
 import pytest
 
 from core.screening.recordings import (
-    SETTINGS,
-    WEIGHT,
     Recording,
     read_coarsely,
     recording,
 )
 from core.shoe.shoes import made, six_axis
 from shoecal_core.arrays import FloatArray
-from shoecal_core.screening.blocks import blocks
-from shoecal_core.screening.rough_fit import prior
 from shoecal_core.screening.wiring import WiringFaults, check_wiring, describe_wiring, of_feet
 
 PAIRS = list(combinations(range(8), 2))
 
 
 def wiring(whole: Recording) -> WiringFaults:
-    cut = {run: blocks(one, whole.shoe) for run, one in whole.aligned.items()}
-    return check_wiring(whole.shoe, cut, prior(whole.shoe, cut, WEIGHT, SETTINGS), WEIGHT, SETTINGS)
+    return check_wiring(whole.statics)
 
 
 def exchanged(whole: Recording, *pairs: tuple[int, int]) -> Recording:

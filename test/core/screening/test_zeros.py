@@ -7,22 +7,18 @@ import re
 import numpy as np
 import pytest
 
-from core.screening.recordings import HEIGHT, SETTINGS, WEIGHT, Recording, recording
+from core.screening.recordings import HEIGHT, WEIGHT, Recording, recording
 from core.screening.test_screen import screened
 from core.screening.test_weights import carrying
 from core.shoe import shoes
-from shoecal_core.screening.blocks import block_size, blocks
+from shoecal_core.screening.blocks import block_size
 from shoecal_core.screening.faults import Fault
-from shoecal_core.screening.rough_fit import equations, prior
 from shoecal_core.screening.zeros import MovedZeros, describe_zeros, moved_zeros
 from shoecal_core.shoe.shoe import FEET
 
 
 def found(whole: Recording) -> MovedZeros | None:
-    cut = {run: blocks(one, whole.shoe) for run, one in whole.aligned.items()}
-    rows = {run: equations(one, WEIGHT, SETTINGS) for run, one in cut.items()}
-    information = prior(whole.shoe, cut, WEIGHT, SETTINGS)
-    return moved_zeros(rows, information, WEIGHT, HEIGHT, SETTINGS)
+    return moved_zeros(whole.statics, HEIGHT)
 
 
 def tared(whole: Recording, at: dict[int, float]) -> Recording:
