@@ -22,8 +22,8 @@ import numpy as np
 from humanoids import HUMANOIDS, PACKAGE, Humanoid, descriptions
 from pages import ROOT, markdown, write_section
 from shoecal_core.recording.session import Session
+from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.robot.kinematics import Kinematics
-from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.shoe.shoe import load_shoe
 

@@ -13,7 +13,7 @@ import mujoco
 import yaml
 
 from shoecal_core.recording.session import Session
-from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.shoe.shoe import Shoe
 

@@ -12,7 +12,8 @@ import mujoco
 import numpy as np
 
 from shoecal_core.arrays import FloatArray
-from shoecal_core.robot.robot import GRAVITY, Robot
+from shoecal_core.robot.gravity import GRAVITY
+from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import FEET
 from shoecal_core.simulation.disturbances import Disturbance, MovingRobot
 from shoecal_core.simulation.effects.effect import Effect

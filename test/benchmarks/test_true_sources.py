@@ -12,7 +12,7 @@ import pytest
 from core.simulation.worlds import DEFAULT, REALITIES, load_world
 from shoecal_core.files import write_yaml
 from shoecal_core.recording.session import Session
-from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.simulation import robot_physics
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.simulation.sampled_robot import SampledRobot, draw

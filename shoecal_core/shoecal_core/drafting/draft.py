@@ -39,7 +39,8 @@ from shoecal_core.drafting.soles import (
 )
 from shoecal_core.drafting.support_range import DraftRange, find_range
 from shoecal_core.errors import FileError
-from shoecal_core.robot.robot import GRAVITY, Robot
+from shoecal_core.robot.gravity import GRAVITY
+from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.robot.urdf import UrdfError, is_limitless
 from shoecal_core.shoe.shoe import Shoe, load_shoe

@@ -20,7 +20,7 @@ from shoecal_core.error_sources.signals import (
     SIGNALS,
     TILT,
 )
-from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.robot.gravity import GRAVITY
 
 QUASI_STATIC_M = 6e-4
 """Root mean square of the zero-moment point's way off the CoM along an axis, up to which a motion

@@ -13,8 +13,9 @@ import numpy as np
 from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError
 from shoecal_core.estimation.calibration import Calibration
+from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.robot.kinematics import BodyStates
-from shoecal_core.robot.robot import GRAVITY, Robot
+from shoecal_core.robot.robot import Robot
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.shoe.sensing import Measured
 from shoecal_core.shoe.shoe import FEET, Shoe

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.special import stdtrit
 
 from shoecal_core.arrays import FloatArray
-from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.samples.zeros import Zero, data_sheet
 from shoecal_core.shoe.shoe import FEET, Shoe
 

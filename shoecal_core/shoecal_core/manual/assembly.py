@@ -12,7 +12,7 @@ import numpy as np
 
 from shoecal_core.arrays import FloatArray
 from shoecal_core.manual.measurements import LoadReading, Measurements
-from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_core.shoe.wrench import ChannelParameters, at_cop, foot_wrenches, weight_below
 

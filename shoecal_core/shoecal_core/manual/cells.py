@@ -14,7 +14,7 @@ import numpy as np
 from shoecal_core.arrays import FloatArray
 from shoecal_core.manual.loads import require_cells
 from shoecal_core.manual.measurements import Measurements, stacked
-from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.shoe.shoe import Shoe
 
 LEAST_RESPONSE = 1e-4

@@ -11,7 +11,7 @@ from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.checks import GAIN_RATIO
 from shoecal_core.estimation.series import Mae
 from shoecal_core.manual.cells import CellFit, unlike_gains
-from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import FEET, Shoe
 

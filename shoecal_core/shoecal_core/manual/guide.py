@@ -16,7 +16,7 @@ from shoecal_core.manual.measurements import EntryError, LoadReading, Measuremen
 from shoecal_core.manual.settings import ManualSettings
 from shoecal_core.manual.shoe_loads import wrong_weight
 from shoecal_core.manual.still import Last, StillReading, StillState
-from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.robot.gravity import GRAVITY
 
 Check = Callable[[Measurements, LoadReading], str]
 

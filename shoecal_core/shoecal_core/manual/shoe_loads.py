@@ -10,7 +10,7 @@ from shoecal_core.arrays import FloatArray
 from shoecal_core.manual.assembly import shoe_wrench
 from shoecal_core.manual.loads import Load
 from shoecal_core.manual.measurements import Measurements, stacked
-from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.shoe.sensing import MINIMUM_FORCE
 from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_core.shoe.wrench import ChannelParameters, at_cop, cop, foot_wrenches

@@ -29,7 +29,8 @@ import numpy as np
 
 from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError
-from shoecal_core.robot.robot import GRAVITY, Robot
+from shoecal_core.robot.gravity import GRAVITY
+from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.symbolic import SymbolicKinematics, joint_axis
 
 FRICTION_USED = 0.9

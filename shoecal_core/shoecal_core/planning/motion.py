@@ -18,7 +18,7 @@ from shoecal_core.planning.support_phase import SupportPhase
 from shoecal_core.planning.supports.observability import PLACES, Visit
 from shoecal_core.planning.timing import GRID, Profile, Rates, fastest
 from shoecal_core.robot.double_support import DoubleSupport
-from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.robot.gravity import GRAVITY
 
 
 @dataclass(frozen=True)

@@ -34,7 +34,8 @@ from shoecal_core.report.recorded_tables import zeros_section
 from shoecal_core.report.screening_parts import left_out_group
 from shoecal_core.report.svg import line_key
 from shoecal_core.report.weak_table import weak_table
-from shoecal_core.robot.robot import GRAVITY, Robot
+from shoecal_core.robot.gravity import GRAVITY
+from shoecal_core.robot.robot import Robot
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.zeros import ZeroFigures
 from shoecal_core.screening.result import Screening

@@ -10,11 +10,11 @@ import numpy as np
 
 from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import NameNotFoundError, ShapeError, ShoecalError
-from shoecal_core.robot.robot import Robot
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # who reads or sends a trajectory needs neither
     from scipy.interpolate import CubicHermiteSpline
 
+    from shoecal_core.robot.robot import Robot
 
 _SLACK = 1e-6
 """rad; joint limits may be missed by rounding, and two angles of one motor may differ by it."""

@@ -13,9 +13,7 @@ import pinocchio as pin
 from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.errors import NameNotFoundError, ShapeError, ShoecalError
 from shoecal_core.robot.double_support import DoubleSupport
-
-GRAVITY = 9.80665
-"""Standard acceleration of gravity [m/s^2]."""
+from shoecal_core.robot.gravity import GRAVITY
 
 _SIDES = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]])
 """(4, 2) directions to the front, left, rear and right of a sole."""

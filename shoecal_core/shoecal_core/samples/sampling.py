@@ -12,8 +12,9 @@ from scipy.sparse import csr_matrix
 from shoecal_core.arrays import BoolArray, FloatArray, IntArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.recording.run import Run
+from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.robot.kinematics import Kinematics
-from shoecal_core.robot.robot import GRAVITY, Robot
+from shoecal_core.robot.robot import Robot
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.filters import evenly, typical_period
 from shoecal_core.samples.known_weight import carried, with_mass

@@ -18,7 +18,8 @@ from scipy.spatial.transform import Rotation, Slerp
 from shoecal_core.arrays import BoolArray, FloatArray, IntArray
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.run import PoseSamples, Run
-from shoecal_core.robot.robot import GRAVITY, Robot
+from shoecal_core.robot.gravity import GRAVITY
+from shoecal_core.robot.robot import Robot
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.momentum import angular_momentum
 from shoecal_core.samples.walking import World, derivative, in_world, walking_stances

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from shoecal_core.arrays import BoolArray, FloatArray
-from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.filters import resampled, typical_period
 from shoecal_core.samples.local_cubic import (

@@ -13,7 +13,7 @@ from itertools import product
 import numpy as np
 
 from shoecal_core.arrays import FloatArray
-from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.filters import typical_period
 from shoecal_core.samples.stretches import lasting, stretches

@@ -9,7 +9,7 @@ import numpy as np
 
 from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError, ShoecalError
-from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_core.simulation.converter import AdConverter, ConvertedReadings
 from shoecal_core.simulation.reality import PlantVariation

@@ -8,7 +8,8 @@ import pinocchio as pin
 
 from shoecal_core.arrays import FloatArray
 from shoecal_core.files import read_bytes
-from shoecal_core.robot.robot import GRAVITY, Robot
+from shoecal_core.robot.gravity import GRAVITY
+from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.urdf import ROOT_JOINTS, UrdfError, with_joints_plain
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.simulation.compiled_robot import RobotPhysics

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from shoecal_core.arrays import FloatArray
-from shoecal_core.robot.robot import GRAVITY, Robot
+from shoecal_core.robot.gravity import GRAVITY
+from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import FEET, Channel, Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 from shoecal_core.simulation.reality import ALL, BASE, NamedNumbers, PlantVariation

@@ -18,7 +18,7 @@ import numpy as np
 
 from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
-from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.shoe.shoe import AXES, FEET, Shoe
 from shoecal_core.simulation.reality import PlantVariation
 from shoecal_core.simulation.sampled_parts import SampledShoes

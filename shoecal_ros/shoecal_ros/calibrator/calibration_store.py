@@ -16,7 +16,8 @@ from shoecal_core.errors import FileError, ShoecalError, error_code
 from shoecal_core.estimation.calibration import Calibration, load_calibration, save_calibration
 from shoecal_core.estimation.plausible import check_plausible
 from shoecal_core.files import make_folder, read_error, sha256, sync_folder, system_error
-from shoecal_core.robot.robot import GRAVITY, Robot
+from shoecal_core.robot.gravity import GRAVITY
+from shoecal_core.robot.robot import Robot
 from shoecal_core.screening.verdict import list_reasons
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_ros.calibrator.calibration_record import RecordEntry, read_record, write_record

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from shoecal_core.arrays import FloatArray
-from shoecal_core.robot.robot import GRAVITY, Robot
+from shoecal_core.robot.gravity import GRAVITY
+from shoecal_core.robot.robot import Robot
 from shoecal_ros.common.conversions import time_from_ros
 from shoecal_ros.inputs.arrival_monitor import ArrivalMonitor
 

@@ -12,8 +12,8 @@ from core.robot import robots
 from core.shoe import shoes
 from shoecal_core.recording import messages, schemas
 from shoecal_core.recording.session import Session
+from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.robot.kinematics import Kinematics
-from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.samples.momentum import base_in_stance
 from shoecal_core.shoe.shoe import load_shoe

@@ -16,7 +16,7 @@ from shoecal_core.planning.motion_sets import MOTION_SETS, STANDARD, UNLOADING
 from shoecal_core.recording import schemas
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.truth import read_truth
-from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.simulation.samples import HOLD_S
 
 ROOT = Path(__file__).resolve().parents[3]

@@ -16,7 +16,7 @@ from shoecal_core.estimation.agreement import (
     Judgement,
     judge,
 )
-from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.shoe.shoe import load_shoe
 from shoecal_core.shoe.wrench import ChannelParameters

@@ -26,7 +26,7 @@ from shoecal_core.estimation.standstill import (
     compare,
     hanging_feet,
 )
-from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.shoe.shoe import Shoe

@@ -13,7 +13,7 @@ from shoecal_core.estimation.calibration import Calibration, load_calibration, s
 from shoecal_core.estimation.expected import ErrorModel, over_polygons, support_covariance
 from shoecal_core.estimation.stated_error import RIGHT, StatedError, turns_to
 from shoecal_core.robot.double_support import DoubleSupport
-from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 

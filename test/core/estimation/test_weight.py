@@ -10,7 +10,7 @@ import pytest
 from core.shoe import shoes
 from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.weight import weigh
-from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.samples.zeros import Zero, zeros_of_run
 from shoecal_core.shoe.shoe import load_shoe
 

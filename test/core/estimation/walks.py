@@ -10,7 +10,7 @@ import numpy as np
 from core.shoe import shoes
 from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.double_support import DoubleSupport
-from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.samples.stance import Stance, make_stance
 from shoecal_core.samples.zeros import Zero
 from shoecal_core.shoe.shoe import load_shoe

@@ -15,7 +15,8 @@ from shoecal_core.manual.loads import CELLS, SHOE, Load, planned_loads
 from shoecal_core.manual.measurements import LoadReading, Measurements
 from shoecal_core.manual.settings import ManualSettings
 from shoecal_core.manual.shoe_loads import expected_wrenches
-from shoecal_core.robot.robot import GRAVITY, Robot
+from shoecal_core.robot.gravity import GRAVITY
+from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.shoe.shoe import FEET, Shoe, load_shoe
 from shoecal_core.shoe.wrench import ChannelParameters, weight_below

@@ -21,7 +21,7 @@ from shoecal_core.errors import ShoecalError
 from shoecal_core.manual.assembly import assembled, shoe_wrench
 from shoecal_core.manual.loads import Load
 from shoecal_core.manual.measurements import Measurements
-from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters, cop, foot_wrenches
 from shoecal_core.simulation.rig import LoadingRig

@@ -33,7 +33,7 @@ from shoecal_core.manual.calibrate import (
 )
 from shoecal_core.manual.loads import Load
 from shoecal_core.manual.measurements import Measurements
-from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.shoe.wrench import ChannelParameters
 from shoecal_core.simulation.reality import PlantVariation

@@ -23,7 +23,7 @@ from shoecal_core.manual.cells import fit_cells, law
 from shoecal_core.manual.checks import check_lines
 from shoecal_core.manual.loads import CELLS, Load
 from shoecal_core.manual.measurements import Measurements
-from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.simulation.rig import LoadingRig
 from shoecal_core.simulation.sampled_robot import draw_shoes
 from shoecal_core.workflows.simulated_manual import read_rig

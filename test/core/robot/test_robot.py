@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 from core.robot import robots
 from shoecal_core.errors import NameNotFoundError, ShapeError, ShoecalError
-from shoecal_core.robot.robot import GRAVITY, JointsMissingError, Robot
+from shoecal_core.robot.gravity import GRAVITY
+from shoecal_core.robot.robot import JointsMissingError, Robot
 
 FOLLOWER, LEADER = "RHipYawPitch", "LHipYawPitch"
 

@@ -12,8 +12,8 @@ from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.estimation.session_data import load_data
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import Session
+from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.robot.kinematics import Kinematics
-from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.samples.known_weight import KNOWN_MASS, WEIGHTED
 
 

@@ -8,8 +8,9 @@ import pytest
 
 from core.robot import robots
 from shoecal_core.arrays import FloatArray
+from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.robot.kinematics import Kinematics
-from shoecal_core.robot.robot import GRAVITY, Robot
+from shoecal_core.robot.robot import Robot
 from shoecal_core.samples.momentum import angular_momentum, base_in_stance, standing_spin
 
 TIME = np.arange(0.0, 2.0, 0.01)

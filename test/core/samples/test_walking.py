@@ -14,7 +14,7 @@ from core.shoe import shoes
 from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.recording.run import PoseSamples
-from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.walking import (
     EDGE_S,

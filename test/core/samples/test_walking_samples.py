@@ -8,7 +8,7 @@ import pinocchio as pin
 from core.robot import robots
 from shoecal_core.arrays import FloatArray
 from shoecal_core.recording.run import PoseSamples
-from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.walking import in_world
 from shoecal_core.samples.walking_samples import pieces, spin

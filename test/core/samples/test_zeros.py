@@ -7,7 +7,7 @@ import pytest
 
 from core.shoe import shoes
 from shoecal_core.arrays import FloatArray
-from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.samples.zeros import (
     EDGE_S,
     data_sheet,

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from core.screening.recordings import HEIGHT, SETTINGS, recording
-from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.screening.quasi_static import too_fast, zmp_shift
 

@@ -14,7 +14,7 @@ from core.shoe import shoes
 from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError, ShoecalError
 from shoecal_core.robot.double_support import DoubleSupport
-from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.shoe.shoe import Plates, Shoe
 from shoecal_core.shoe.wrench import (
     ChannelParameters,

@@ -9,7 +9,7 @@ import pytest
 from core.shoe.shoes import made, six_axis
 from core.simulation.worlds import DEFAULT, World, changed
 from shoecal_core.files import read_yaml, write_yaml
-from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.simulation.effects.contact import FloorTilt
 from shoecal_core.simulation.effects.timing import Latency
 from shoecal_core.simulation.sampled_robot import draw, draw_shoes

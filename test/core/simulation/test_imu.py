@@ -9,8 +9,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from core.simulation.worlds import DEFAULT, PERFECT, World, changed
+from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.robot.joint_trajectory import JointTrajectory
-from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.simulation.effects.contact import FloorTilt
 from shoecal_core.simulation.samples import SimulatedSamples, run
 from shoecal_core.simulation.snapshot import stack

@@ -6,7 +6,7 @@ import pytest
 from core.simulation.effects.chains import item
 from core.simulation.worlds import DEFAULT, PERFECT, World, changed, load_world
 from shoecal_core.errors import NameNotFoundError, ShoecalError
-from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.shoe import wrench
 from shoecal_core.simulation.reality import PlantVariation
 from shoecal_core.simulation.rig import LoadingRig

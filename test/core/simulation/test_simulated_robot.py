@@ -9,9 +9,9 @@ import pytest
 from core.simulation.worlds import DEFAULT, PERFECT, World, changed
 from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError, ShoecalError
+from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.robot.kinematics import Kinematics
-from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.shoe import wrench
 from shoecal_core.simulation.effects.contact import FloorTilt

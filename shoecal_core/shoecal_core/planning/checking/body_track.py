@@ -10,7 +10,8 @@ import pinocchio as pin
 from shoecal_core.arrays import FloatArray
 from shoecal_core.planning.capsules import segment_distance
 from shoecal_core.planning.load_sharing import SharingSpread
-from shoecal_core.robot.robot import GRAVITY, Robot
+from shoecal_core.robot.gravity import GRAVITY
+from shoecal_core.robot.robot import Robot
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,8 @@ from shoecal_core.planning.load_sharing import FRICTION_USED
 from shoecal_core.planning.motion import Motion, Phase
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.support_phase import SupportPhase
-from shoecal_core.robot.robot import GRAVITY, Robot
+from shoecal_core.robot.gravity import GRAVITY
+from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import FEET
 
 _WINDOW = 0.1

@@ -30,7 +30,8 @@ from shoecal_core.error_sources.effects.body import (
 )
 from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.signals import AIR, COP, GRF, SIGNALS
-from shoecal_core.robot.robot import GRAVITY, Robot
+from shoecal_core.robot.gravity import GRAVITY
+from shoecal_core.robot.robot import Robot
 from shoecal_core.samples.known_weight import KNOWN_MASS, WEIGHTED
 from shoecal_core.samples.samples import TURNED_BACK
 

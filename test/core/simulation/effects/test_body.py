@@ -13,7 +13,7 @@ from core.simulation.effects.chains import item
 from core.simulation.worlds import DEFAULT, PERFECT, World, changed
 from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import FileError
-from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.shoe import wrench
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.robot import SimulatedRobot

@@ -10,7 +10,8 @@ import pytest
 
 from core.simulation.test_disturbances import standing_still
 from core.simulation.worlds import PERFECT, World, changed
-from shoecal_core.robot.robot import GRAVITY, Robot
+from shoecal_core.robot.gravity import GRAVITY
+from shoecal_core.robot.robot import Robot
 from shoecal_core.simulation.disturbances import Disturbance, MovingRobot
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.sampled_parts import link_names
