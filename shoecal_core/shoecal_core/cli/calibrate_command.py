@@ -1,12 +1,14 @@
-"""`shoecal calibrate SESSION`: find gains and offsets from a recorded session."""
+"""`shoecal calibrate SESSION …`: find gains and offsets from a recorded session."""
 
 from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 
@@ -16,8 +18,20 @@ from shoecal_core.cli.arguments import (
     add_sets,
     add_settings,
     add_weight,
-    require_folder,
     settings_of,
+)
+from shoecal_core.cli.many_sessions import (
+    EACH,
+    EXPECTED,
+    Ended,
+    Figures,
+    SessionJob,
+    add_sessions,
+    add_spread,
+    named_sessions,
+    one_a_session,
+    output_files,
+    over_sessions,
 )
 from shoecal_core.cli.prose import say
 from shoecal_core.cli.tables import errors_table, new_table, of_page, print_table, stages_rows
@@ -35,6 +49,7 @@ from shoecal_core.report.next_step import after_calibration
 from shoecal_core.report.quantities import channel_units, uncertain
 from shoecal_core.report.recorded_tables import left_out_table, zeros_table
 from shoecal_core.screening.settings import JOINT, PAPER, CalibrationSettings
+from shoecal_core.screening.verdict import list_reasons
 from shoecal_core.workflows.calibrate import calibrate_session
 
 SURE = 3.0
@@ -43,18 +58,27 @@ SURE = 3.0
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare its arguments."""
-    parser.add_argument("session", type=Path, help="folder of the recorded session")
+    add_sessions(parser)
     parser.add_argument(
-        "--out", type=Path, metavar="FILE", required=True, help="calibration file to write"
+        "--out",
+        type=Path,
+        metavar="FILE",
+        required=True,
+        help=f"calibration file to write; {EACH}",
     )
-    parser.add_argument("--report", type=Path, metavar="FILE", help="also write an HTML report")
+    parser.add_argument(
+        "--report", type=Path, metavar="FILE", help=f"also write an HTML report; {EACH}"
+    )
     add_settings(parser, "weights and tolerances")
     parser.add_argument(
         "--manual",
         type=Path,
+        action="append",
+        default=[],
         metavar="FILE",
         help="calibration of these shoes by `shoecal manual shoe`: where cells and plates carry, "
-        "and the gains, are then known beforehand",
+        "and the gains, are then known beforehand; for several sessions one for all, or the option "
+        "once a session",
     )
     parser.add_argument(
         "--method",
@@ -66,6 +90,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_rezero(parser)
     add_sets(parser)
     add_force(parser)
+    add_spread(parser)
 
 
 def _against(outcome: CalibrationOutcome) -> str:
@@ -75,17 +100,73 @@ def _against(outcome: CalibrationOutcome) -> str:
 
 
 def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
-    """Calibrate; a calibration with the verdict FAIL is not written."""
+    """Calibrate from one session, or from many at once, each by itself."""
     settings = settings_of(CalibrationSettings, args.settings, "calibration")
     settings = replace(settings, method=args.method or settings.method)
     tolerances = settings_of(Tolerances, args.settings, "tolerances")
-    for path in filter(None, (args.out, args.report, args.json)):
-        require_folder(path)
-    session = Session.open(args.session, force=args.force)
-    manual = None if args.manual is None else load_calibration(args.manual)
+    sessions, outputs = named_sessions(args), output_files(args, "out", "report")
+    jobs = [
+        SessionJob(
+            session,
+            partial(
+                _calibrate,
+                session,
+                settings=settings,
+                tolerances=tolerances,
+                manual=manual,
+                train=args.train,
+                test=args.test,
+                weight_kg=args.weight_kg,
+                rezero=args.rezero,
+                force=args.force,
+                out=files["out"],
+                report=files.get("report"),
+            ),
+        )
+        for session, files, manual in zip(
+            sessions,
+            outputs,
+            one_a_session(args, "--manual", args.manual),
+            strict=True,
+        )
+    ]
+    written = {job.session: files["out"] for job, files in zip(jobs, outputs, strict=True)}
+    columns: dict[str, Callable[[Ended[Figures]], str]] = {
+        "verdict": lambda one: str(one.figures["verdict"]),
+        **EXPECTED,
+        "written": lambda one: "-" if one.error else str(written[one.session]),
+        "reasons": _reasons,
+    }
+    return over_sessions(args, jobs, console, columns)
+
+
+def _reasons(one: Ended[Figures]) -> str:
+    """The first, and how many more there are."""
+    figures: Mapping[str, Any] = one.figures
+    return list_reasons(figures["reasons"], 1)
+
+
+def _calibrate(
+    folder: Path,
+    console: Console,
+    *,
+    settings: CalibrationSettings,
+    tolerances: Tolerances,
+    manual: Path | None,
+    train: Sequence[int],
+    test: Sequence[int],
+    weight_kg: float | None,
+    rezero: bool,
+    force: bool,
+    out: Path,
+    report: Path | None,
+) -> Figures:
+    """Calibrate; a calibration with the verdict FAIL is not written."""
+    session = Session.open(folder, force=force)
+    known = None if manual is None else load_calibration(manual)
     outcome = calibrate_session(
-        session, args.train, args.test, settings, tolerances,
-        manual=manual, weight_kg=args.weight_kg, rezero=args.rezero,
+        session, train, test, settings, tolerances,
+        manual=known, weight_kg=weight_kg, rezero=rezero,
     )  # fmt: skip
     say(console, weight_line(outcome.data.weighed, outcome.data.robot))
     print_table(console, errors_table(_against(outcome), stages_rows(outcome.modelled)))
@@ -96,18 +177,18 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     _print_trust(outcome, console)
     calibration = outcome.calibration
     if calibration.verdict != "FAIL":
-        save_calibration(calibration, args.out)
-    if args.report is not None:
+        save_calibration(calibration, out)
+    if report is not None:
         # Matplotlib takes a second to load, which most calls need not wait for.
         from shoecal_core.report.calibration_report import calibration_report  # noqa: PLC0415
         from shoecal_core.report.session_report import session_content  # noqa: PLC0415
 
-        calibration_report(args.report, session_content(session, outcome))
+        calibration_report(report, session_content(session, outcome))
     figures = to_json(outcome)
     require_usable(calibration, figures, console)
-    say(console, f"{args.out}")
-    say(console, after_calibration(calibration.verdict, str(args.out)))
-    return figures
+    say(console, f"{out}")
+    say(console, after_calibration(calibration.verdict, str(out)))
+    return Figures(figures)
 
 
 def to_json(outcome: CalibrationOutcome) -> dict[str, object]:

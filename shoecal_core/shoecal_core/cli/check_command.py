@@ -1,10 +1,12 @@
-"""`shoecal check SESSION`: what is in it, and is it fit for use."""
+"""`shoecal check SESSION …`: what is in it, and is it fit for use."""
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from rich.console import Console
@@ -14,8 +16,19 @@ from shoecal_core.cli.arguments import (
     add_force,
     add_settings,
     add_weight,
-    require_folder,
     settings_of,
+)
+from shoecal_core.cli.many_sessions import (
+    EACH,
+    EXPECTED,
+    Ended,
+    Figures,
+    SessionJob,
+    add_sessions,
+    add_spread,
+    named_sessions,
+    output_files,
+    over_sessions,
 )
 from shoecal_core.cli.prose import say
 from shoecal_core.cli.tables import TEXT, new_table, of_page, print_table, verdict_line
@@ -28,6 +41,7 @@ from shoecal_core.report.assessment_tables import expected_table
 from shoecal_core.report.next_step import after_check
 from shoecal_core.report.recorded_tables import left_out_table, zeros_table
 from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.verdict import list_reasons
 from shoecal_core.workflows.check import check_session
 
 
@@ -37,21 +51,51 @@ class UnfitSessionError(PartialError):
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare its arguments."""
-    parser.add_argument("session", type=Path, help="folder of the recorded session")
+    add_sessions(parser)
     add_settings(parser, "weights and tolerances")
-    parser.add_argument("--report", type=Path, metavar="FILE", help="also write an HTML report")
+    parser.add_argument(
+        "--report", type=Path, metavar="FILE", help=f"also write an HTML report; {EACH}"
+    )
     add_weight(parser)
     add_force(parser)
+    add_spread(parser)
 
 
 def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
-    """List what is in every run, then calibrate: what `calibrate` refuses, this never passes."""
-    if args.report is not None:
-        require_folder(args.report)
+    """Check one session, or many at once."""
     settings = settings_of(CalibrationSettings, args.settings, "calibration")
     tolerances = settings_of(Tolerances, args.settings, "tolerances")
-    session = Session.open(args.session, force=args.force)
-    checked = check_session(session, settings, tolerances, weight_kg=args.weight_kg)
+    jobs = [
+        SessionJob(
+            session,
+            partial(
+                _check,
+                session,
+                settings=settings,
+                tolerances=tolerances,
+                weight_kg=args.weight_kg,
+                force=args.force,
+                report=files.get("report"),
+            ),
+        )
+        for session, files in zip(named_sessions(args), output_files(args, "report"), strict=True)
+    ]
+    return over_sessions(args, jobs, console, SESSIONS)
+
+
+def _check(
+    folder: Path,
+    console: Console,
+    *,
+    settings: CalibrationSettings,
+    tolerances: Tolerances,
+    weight_kg: float | None,
+    force: bool,
+    report: Path | None,
+) -> Figures:
+    """List what is in every run, then calibrate: what `calibrate` refuses, this never passes."""
+    session = Session.open(folder, force=force)
+    checked = check_session(session, settings, tolerances, weight_kg=weight_kg)
     data, screening, outcome = checked.data, checked.data.screening, checked.outcome
     entries = [entry for entry in session.runs if entry.run in data.runs]
     if entries:
@@ -66,7 +110,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     for verdict, lines in (("FAIL", checked.problems), ("WARN", checked.warnings)):
         for line in lines:
             say(console, verdict_line(verdict, line))
-    if args.report is not None:
+    if report is not None:
         # Matplotlib takes a second to load, which most calls need not wait for.
         from shoecal_core.report.check_report import CheckReport, check_report  # noqa: PLC0415
 
@@ -74,7 +118,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         content = CheckReport(session, data.robot, tuple(entries), data.runs, data.aligned,
                               screening, checked.problems, checked.warnings, checked.zeros,
                               data.weighed, assessed)  # fmt: skip
-        check_report(args.report, content)
+        check_report(report, content)
     figures = {
         "robot": session.robot,
         "shoe": session.shoe_name,
@@ -87,14 +131,34 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         "assessment": None if outcome is None else outcome.assessment.to_json(outcome.data.shoe),
     }
     if checked.problems:
+        # Of many sessions nothing is shown where one is checked.
+        listed = f": {list_reasons(checked.problems)}" if console.quiet else ", listed above"
         raise UnfitSessionError(
-            f"{len(checked.problems)} problem(s) in {session.folder}, listed above", figures
+            f"{len(checked.problems)} problem(s) in {session.folder}{listed}", figures
         )
     summary = "fit for use, with the warnings above" if checked.warnings else "fit for use"
     verdict = "WARN" if checked.warnings else "PASS"
     say(console, verdict_line(verdict, summary))
     say(console, after_check(verdict, str(session.folder)))
-    return figures
+    return Figures(figures)
+
+
+def _verdict(one: Ended[Figures]) -> str:
+    return "FAIL" if one.figures["problems"] else "WARN" if one.figures["warnings"] else "PASS"
+
+
+def _findings(one: Ended[Figures]) -> str:
+    """The first of what is the worst, and how many more there are."""
+    figures: Mapping[str, Any] = one.figures
+    return list_reasons([*figures["problems"], *figures["warnings"]], 1) or "-"
+
+
+SESSIONS: Mapping[str, Callable[[Ended[Figures]], str]] = {
+    "verdict": _verdict,
+    **EXPECTED,
+    "findings": _findings,
+}
+"""Columns of a table with a line a session."""
 
 
 def _table(session: Session, entries: Sequence[RunEntry], runs: Mapping[int, Run]) -> Table:

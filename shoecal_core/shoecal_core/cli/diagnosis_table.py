@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 
 from rich.console import Console
 from rich.table import Table
 
+from shoecal_core.cli.many_sessions import Ended
 from shoecal_core.cli.prose import say
-from shoecal_core.cli.tables import TEXT, new_table, print_table
+from shoecal_core.cli.tables import new_table, print_table
 from shoecal_core.diagnosis.budget import LEAST_SHARE
-from shoecal_core.diagnosis.result import VERDICT_TEXTS, Diagnosis, Size
+from shoecal_core.diagnosis.result import VERDICT_TEXTS, Cause, Diagnosis, Size
 from shoecal_core.report.diagnosis_words import finding_text, where_text
 from shoecal_core.report.quantities import percent
 from shoecal_core.workflows.diagnose import CalibratedGap, Diagnosed
@@ -84,25 +85,17 @@ def causes_table(diagnosis: Diagnosis) -> Table:
     return table
 
 
-def sessions_table(found: Sequence[Diagnosed]) -> Table:
-    """A line a session."""
-    table = new_table("Sessions")
-    for name in ("session", "verdict", "first cause", "gap shrinks by"):
-        text = name in {"session", "first cause"}
-        table.add_column(name, overflow=TEXT if text else "ellipsis")
-    for one in found:
-        diagnosis = one.diagnosis
-        if diagnosis is None:
-            table.add_row(str(one.session), "failed", one.error, "-")
-            continue
-        first = diagnosis.named[0] if diagnosis.named else None
-        table.add_row(
-            str(one.session),
-            diagnosis.verdict,
-            "-" if first is None else first.label,
-            "-" if first is None else f"{first.shrink.fraction:.0%}",
-        )
-    return table
+def _first_cause(one: Ended[Diagnosed], text: Callable[[Cause], str]) -> str:
+    named = () if one.found is None else one.found.diagnosis.named
+    return text(named[0]) if named else "-"
+
+
+SESSIONS: Mapping[str, Callable[[Ended[Diagnosed]], str]] = {
+    "verdict": lambda one: str(one.figures["verdict"]),
+    "gap shrinks by": lambda one: _first_cause(one, lambda first: f"{first.shrink.fraction:.0%}"),
+    "first cause": lambda one: _first_cause(one, lambda first: first.label),
+}
+"""Columns of a table with a line a session."""
 
 
 def size_text(size: Size) -> str:

@@ -1,20 +1,36 @@
-"""`shoecal evaluate SESSION --calibration FILE`: how far a calibration is off.
+"""`shoecal evaluate SESSION … --calibration FILE`: how far a calibration is off.
 
 Against the model always; against the simulator's truth where the session has one; against
-another calibration, for example a manual one, where one is given. Several sessions are judged
-together. The verdict is on errors against the model, in per cent of the weight and of half the
-width of a foot.
+another calibration, for example a manual one, where one is given. Several sessions are judged one
+by one and together. The verdict is on errors against the model, in per cent of the weight and of
+half the width of a foot.
 """
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from rich.console import Console
 
 from shoecal_core.cli.arguments import add_force, add_rezero, add_sets, add_weight
+from shoecal_core.cli.many_sessions import (
+    Ended,
+    SessionJob,
+    add_sessions,
+    add_spread,
+    each_session,
+    figures_of,
+    named_sessions,
+    one_a_session,
+    output_files,
+    print_sessions,
+    raise_failed,
+    several,
+)
 from shoecal_core.cli.prose import say
 from shoecal_core.cli.tables import (
     errors_table,
@@ -25,14 +41,12 @@ from shoecal_core.cli.tables import (
     verdict_line,
 )
 from shoecal_core.cli.weight import weight_json, weight_line
-from shoecal_core.errors import PartialError, ShoecalError
-from shoecal_core.estimation.calibration import Calibration
+from shoecal_core.errors import PartialError
 from shoecal_core.estimation.run_errors import ComparedRun, errors_by_set, errors_of
 from shoecal_core.estimation.series import Errors
-from shoecal_core.recording.errors import SessionError
 from shoecal_core.recording.session import Session
 from shoecal_core.report.recorded_tables import zeros_table
-from shoecal_core.screening.verdict import VERDICTS, list_reasons, split_reason
+from shoecal_core.screening.verdict import VERDICTS, Verdict, list_reasons, split_reason
 from shoecal_core.workflows.evaluation import (
     MEASURED,
     MODELLED,
@@ -53,13 +67,7 @@ class PoorCalibrationError(PartialError):
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare its arguments."""
-    parser.add_argument(
-        "sessions",
-        type=Path,
-        nargs="+",
-        metavar="SESSION",
-        help="folder of a recorded session; several are judged together",
-    )
+    add_sessions(parser, "; several are judged one by one and together")
     parser.add_argument(
         "--calibration",
         type=Path,
@@ -80,57 +88,158 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_weight(parser)
     add_sets(parser)
     add_force(parser)
+    add_spread(parser)
 
 
 def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     """Compare on every run, and by set."""
-    sessions = _open(args.sessions, force=args.force)
-    calibrations = _one_a_session("--calibration", args.calibration, sessions)
-    references = _one_a_session("--reference", args.reference, sessions)
-    runs: list[ComparedRun] = []
-    evaluated: list[Evaluated] = []
-    for session, calibration, reference in zip(sessions, calibrations, references, strict=True):
-        assert calibration is not None
-        for named in filter(None, (calibration, reference)):
-            if note := version_note(named, session):
-                say(console, f"Note: {note}.")
-        one = evaluate_session(
-            session, calibration, reference, args.train, args.test,
-            rezero=args.rezero, weight_kg=args.weight_kg,
-        )  # fmt: skip
-        evaluated.append(one)
-        runs += one.runs
-    if not all(run.sources.keys() == runs[0].sources.keys() for run in runs):
-        raise ShoecalError(
-            "some sessions have a simulated truth and some have none; evaluate them apart"
+    output_files(args)
+    jobs = [
+        SessionJob(
+            session,
+            partial(
+                _evaluate,
+                session,
+                calibration=calibration,
+                reference=reference,
+                train=args.train,
+                test=args.test,
+                rezero=args.rezero,
+                weight_kg=args.weight_kg,
+                force=args.force,
+            ),
         )
-    _print(runs, console)
-    worst = max((one.verdict for one in evaluated), key=lambda one: VERDICTS.index(one.verdict))
-    _print_verdicts(evaluated, console)
-    figures: dict[str, object] = {
+        for session, calibration, reference in zip(
+            named_sessions(args),
+            one_a_session(args, "--calibration", args.calibration),
+            one_a_session(args, "--reference", args.reference),
+            strict=True,
+        )
+    ]
+    if not several(args):
+        return _judge([jobs[0].work(console)], {}, console)
+    ended = each_session(args, jobs)
+    print_sessions(ended, console, SESSIONS)
+    figures = figures_of(ended)
+    found = [one.found for one in ended if one.found is not None]
+    if not all(one.sources == found[0].sources for one in found):
+        raise PartialError(
+            "some sessions have a simulated truth and some have none; evaluate them apart", figures
+        )
+    for note in dict.fromkeys(note for one in found for note in one.notes):
+        say(console, note)
+    if len(found) < len(ended):
+        if found:
+            figures |= _figures(found)
+            _print(found, console)
+        raise_failed(ended, figures)
+    return _judge(found, figures, console)
+
+
+@dataclass(frozen=True)
+class _One:
+    """A calibration on one session.
+
+    Attributes:
+        session: its folder.
+        calibrations, references: their names; no reference, or one.
+        notes: on their versions, a line each.
+        evaluated: on all runs.
+        rezeroed: each with its own zeros.
+    """
+
+    session: str
+    calibrations: tuple[str, ...]
+    references: tuple[str, ...]
+    notes: tuple[str, ...]
+    evaluated: Evaluated
+    rezeroed: bool
+
+    @property
+    def sources(self) -> set[str]:
+        """Whatever its runs have series of."""
+        return {name for run in self.evaluated.runs for name in run.sources}
+
+    def to_json(self) -> dict[str, object]:
+        """Figures of this session alone."""
+        return _figures([self])
+
+
+def _evaluate(
+    folder: Path,
+    console: Console,
+    *,
+    calibration: Path | None,
+    reference: Path | None,
+    train: Sequence[int],
+    test: Sequence[int],
+    rezero: bool,
+    weight_kg: float | None,
+    force: bool,
+) -> _One:
+    """Compare on every run of a session."""
+    session = Session.open(folder, force=force)
+    assert calibration is not None
+    judged = load_calibration_of(calibration, session)
+    better = None if reference is None else load_calibration_of(reference, session)
+    named = [one for one in (judged, better) if one is not None]
+    notes = [f"Note: {note}." for one in named if (note := version_note(one, session))]
+    for note in notes:
+        say(console, note)
+    evaluated = evaluate_session(
+        session, judged, better, train, test, rezero=rezero, weight_kg=weight_kg
+    )
+    references = () if better is None else (better.id,)
+    return _One(str(session.folder), (judged.id,), references, tuple(notes), evaluated, rezero)
+
+
+def _runs(found: Sequence[_One]) -> list[ComparedRun]:
+    return [run for one in found for run in one.evaluated.runs]
+
+
+def _worst(found: Sequence[_One]) -> Verdict:
+    return max(
+        (one.evaluated.verdict for one in found), key=lambda one: VERDICTS.index(one.verdict)
+    )
+
+
+def _judge(
+    found: Sequence[_One], figures: Mapping[str, object], console: Console
+) -> Mapping[str, object]:
+    """Show and return the figures of all sessions together, next to those that there are.
+
+    Raises:
+        PoorCalibrationError: one of them has the verdict FAIL.
+    """
+    _print(found, console)
+    figures, worst = {**figures, **_figures(found)}, _worst(found)
+    if worst.verdict == "FAIL":
+        raise PoorCalibrationError(list_reasons(worst.reasons, 1), figures)
+    return figures
+
+
+def _figures(found: Sequence[_One]) -> dict[str, object]:
+    """Of all runs together, for machines."""
+    runs, evaluated = _runs(found), [one.evaluated for one in found]
+    return {
         "format": 1,
-        "verdict": worst.verdict,
+        "verdict": _worst(found).verdict,
         "reasons": [reason for one in evaluated for reason in one.verdict.reasons],
         "weight": [weight_json(one.weighed, one.robot) for one in evaluated],
         "zeros": [
-            {"session": str(session.folder), **zero}
-            for session, one in zip(sessions, evaluated, strict=True)
-            for zero in one.zeros
+            {"session": one.session, **zero} for one in found for zero in one.evaluated.zeros
         ],
-        "rezeroed": args.rezero,
+        "rezeroed": found[0].rezeroed,
         "model_limit": [
             {name: limit.to_json() for name, limit in one.limits.items()} for one in evaluated
         ],
-        "calibrations": [one.id for one in calibrations if one is not None],
-        "references": [one.id for one in references if one is not None],
+        "calibrations": [name for one in found for name in one.calibrations],
+        "references": [name for one in found for name in one.references],
         **_errors_to_json(runs, MEASURED),
         "model": _errors_to_json(runs, MODELLED),
         "reference": _errors_to_json(runs, REFERENCE),
         "runs": [_run_to_json(one) for one in runs],
     }
-    if worst.verdict == "FAIL":
-        raise PoorCalibrationError(list_reasons(worst.reasons, 1), figures)
-    return figures
 
 
 def _print_verdicts(evaluated: Sequence[Evaluated], console: Console) -> None:
@@ -142,32 +251,6 @@ def _print_verdicts(evaluated: Sequence[Evaluated], console: Console) -> None:
         for reason in one.verdict.reasons:
             level, text = split_reason(reason, one.verdict.verdict)
             say(console, verdict_line(level, text))
-
-
-def _open(folders: Sequence[Path], *, force: bool) -> list[Session]:
-    """Open each session; one named twice would count its runs twice."""
-    seen = set()
-    for folder in folders:
-        if folder.resolve() in seen:
-            raise SessionError(folder, "is named twice; name each session once")
-        seen.add(folder.resolve())
-    return [Session.open(folder, force=force) for folder in folders]
-
-
-def _one_a_session(
-    option: str, paths: Sequence[Path], sessions: Sequence[Session]
-) -> list[Calibration | None]:
-    if not paths:
-        return [None] * len(sessions)
-    if len(paths) not in {1, len(sessions)}:
-        raise ShoecalError(
-            f"{option} was given {len(paths)} times for {len(sessions)} session(s); give it once "
-            "for all, or once a session in their order"
-        )
-    each = list(paths) * len(sessions) if len(paths) == 1 else paths
-    return [
-        load_calibration_of(path, session) for path, session in zip(each, sessions, strict=True)
-    ]
 
 
 def _references(runs: Sequence[ComparedRun], source: str) -> list[str]:
@@ -201,7 +284,39 @@ def _run_to_json(run: ComparedRun) -> dict[str, object]:
     return {**own, **against(MEASURED), "model": against(MODELLED)}
 
 
-def _print(runs: Sequence[ComparedRun], console: Console) -> None:
+def _shown(one: Ended[_One], text: Callable[[Errors], str]) -> str:
+    """Of the test runs, where there are any, against the best that is known."""
+    assert one.found is not None
+    runs = one.found.evaluated.runs
+    sets = errors_by_set(runs, MEASURED, _best(runs))
+    return text(sets.get("test", sets[next(iter(sets))]))
+
+
+def _against(one: Ended[_One]) -> str:
+    assert one.found is not None
+    runs = one.found.evaluated.runs
+    name = "test" if any(run.set == "test" for run in runs) else "train"
+    return f"{name}, {NAMES[_best(runs)]}"
+
+
+def _reasons(one: Ended[_One]) -> str:
+    """The first, and how many more there are."""
+    return "" if one.found is None else list_reasons(one.found.evaluated.verdict.reasons, 1)
+
+
+SESSIONS: Mapping[str, Callable[[Ended[_One]], str]] = {
+    "verdict": lambda one: str(one.figures["verdict"]),
+    "GRF (N)": lambda one: _shown(one, lambda errors: f"{errors.grf.mean:.2f}"),
+    "CoP (mm)": lambda one: _shown(one, lambda errors: f"{1e3 * errors.cop.mean:.2f}"),
+    "runs, against": _against,
+    "reasons": _reasons,
+}
+"""Columns of a table with a line a session."""
+
+
+def _print(found: Sequence[_One], console: Console) -> None:
+    """Errors of all runs together and run by run, then what is known of each session."""
+    runs = _runs(found)
     best = _best(runs)
     sets = {
         f"against {NAMES[reference]}": errors_by_set(runs, MEASURED, reference)
@@ -223,3 +338,4 @@ def _print(runs: Sequence[ComparedRun], console: Console) -> None:
     print_table(console, errors_table(f"Calibration against {NAMES[best]}, run by run", rows))
     for line in left_out_lines(rows, feet=best != MODELLED):
         say(console, line)
+    _print_verdicts([one.evaluated for one in found], console)

@@ -6,6 +6,7 @@ could not be done.
 
 from __future__ import annotations
 
+import argparse
 import json
 import sys
 from collections.abc import Mapping, Sequence
@@ -31,7 +32,7 @@ from shoecal_core.errors import (
 from shoecal_core.files import atomic_write
 
 STEPLESS = ("calibrate", "check", "evaluate", "import")
-"""Commands that take long and name no steps."""
+"""Commands that take long and name no steps, with one session."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -45,7 +46,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     errors = Console(stderr=True, highlight=False)
     try:
         try:
-            with still_working(args.name) if args.name in STEPLESS else nullcontext():
+            with nullcontext() if _has_steps(args) else still_working(args.name):
                 figures = args.command.run(args, output())
             _write(args.json, figures)
         except ShoecalError as error:
@@ -62,6 +63,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         errors.print(f"shoecal {args.name}: interrupted")
         return 130
     return 0
+
+
+def _has_steps(args: argparse.Namespace) -> bool:
+    """Whether a command says by itself how far it is: each of many sessions is a step."""
+    return args.name not in STEPLESS or len(getattr(args, "sessions", ())) > 1
 
 
 def _write(file: Path | None, figures: Mapping[str, object]) -> None:

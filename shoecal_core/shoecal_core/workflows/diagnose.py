@@ -26,7 +26,6 @@ from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.samples.zeros import ZeroFigures, zeros_json
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.workflows.evaluation import load_calibration_of
-from shoecal_core.workflows.many_jobs import ENDED
 
 READ_TO, SIMULATED_FROM = 0.1, 0.7
 """Share of the work in which runs are read, and after which the found effects are simulated."""
@@ -90,26 +89,22 @@ class CalibratedGap:
 
 @dataclass(frozen=True)
 class Diagnosed:
-    """What came of a job: a diagnosis, or the error that stopped it.
+    """What came of a request.
 
     Attributes:
         session: folder.
         diagnosis: without its evidence, which the report has used up.
         calibrated: of the calibration that was named.
-        error: in words; empty where there is a diagnosis.
         zeros: what each foot reads in the air, run by run.
     """
 
     session: Path
-    diagnosis: Diagnosis | None = None
+    diagnosis: Diagnosis
     calibrated: CalibratedGap | None = None
-    error: str = ""
     zeros: list[ZeroFigures] = field(default_factory=list)
 
     def to_json(self) -> dict[str, object]:
-        """The diagnosis for programs, or the error in its place."""
-        if self.diagnosis is None:
-            return {"session": str(self.session), "error": self.error}
+        """For programs."""
         result = {"session": str(self.session), **self.diagnosis.to_json(), "zeros": self.zeros}
         if self.calibrated is not None:
             result["calibration"] = vars(self.calibrated).copy()
@@ -188,19 +183,6 @@ def do(job: DiagnosisRequest, progress: Progress = no_progress) -> Diagnosed:
         calibrated,
         zeros=zeros_json(session.shoe, found.zeros, parameters),
     )
-
-
-def attempt(job: DiagnosisRequest) -> Diagnosed:
-    """The same, an error in its place: one bad session does not stop the others."""
-    try:
-        return do(job)
-    except ShoecalError as error:
-        return Diagnosed(job.session, error=str(error))
-
-
-def lost(job: DiagnosisRequest) -> Diagnosed:
-    """What stands for a job whose process or worker ended before it."""
-    return Diagnosed(job.session, error=f"{job.session}: {ENDED}")
 
 
 def _library(own: Path | None) -> tuple[Effect, ...]:

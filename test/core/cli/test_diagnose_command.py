@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from core.cli.conftest import Run
-from shoecal_core.cli import diagnose_command
+from shoecal_core.cli import diagnose_command, many_sessions
 from shoecal_core.cli.diagnose_command import effect_at
 from shoecal_core.cli.parsers import command_line
 from shoecal_core.diagnosis.result import VERDICT_TEXTS
@@ -82,7 +82,7 @@ def test_many_sessions_one_of_which_fails(
         written.append(json.loads(content))
         atomic_write(path, content)
 
-    monkeypatch.setattr(diagnose_command, "atomic_write", write)
+    monkeypatch.setattr(many_sessions, "atomic_write", write)
     missing = tmp_path / "nothing"
     code, out, error = shoecal(
         "diagnose", simulated, missing, "--jobs", "2", "--no-simulation", "--json", figures,
