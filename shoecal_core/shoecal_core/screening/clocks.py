@@ -310,7 +310,8 @@ def describe_time_offset(time_offset: float) -> list[Finding]:
             "WARN",
             f"joints are {'late' if time_offset > 0.0 else 'early'} by "
             f"{1e3 * abs(time_offset):.0f} ms against the readings, which is corrected in the fit: "
-            "let both be stamped when they are sampled, by one clock",
+            "let both be stamped when they are sampled, by one clock"
+            f"{'' if time_offset > 0.0 else ', and switch off filters in the device, which delay'}",
             Fault.LATE,
         )
     ]

@@ -34,6 +34,9 @@ LEFT = 0.6
 sessions keep 0.85 and more, eight made-up ones 0.83, one cell that is held by the shoe 0.94."""
 LEAST_GAIN = 7.0
 """By which the sum of squares has to fall; of sound sessions it falls by 2.6 at most."""
+SURE_STDS = 5.0
+"""A leak is its share off zero by so many of its standard deviations; a ground that all cells of a
+foot share looks like one of 0.09 with 0.025."""
 LONGEST_BLOCK_S = 1.0
 """Blocks of readings whose stamps come in bunches are longer, and too few to show a leak."""
 ALL_ORDERS = 4
@@ -88,7 +91,8 @@ def leaking(statics: Statics) -> Leak | None:
         return None
     if any(cost(chains, share, run) > LEFT * cost((), 0.0, run) for run in runs):
         return None
-    return Leak(chains, share, _std(lambda at: cost(chains, at), share))
+    std = _std(lambda at: cost(chains, at), share)
+    return Leak(chains, share, std) if share > SURE_STDS * std else None
 
 
 def orders(shoe: Shoe) -> Iterator[Chains]:

@@ -82,7 +82,7 @@ def screen(
     """
     runs, aligned = dict(sorted(runs.items())), dict(sorted(aligned.items()))
     found = Screening(
-        findings=() if timing.clock_rate else tuple(describe_time_offset(timing.late)),
+        findings=() if timing.explained else tuple(describe_time_offset(timing.late)),
         time_offset=timing.late,
         samples={number: len(run.readings.time) for number, run in runs.items()},
         left_out=_lost(runs, aligned, shoe),

@@ -1,16 +1,19 @@
 """Readings that were smoothed, off line or by the device, so that quick changes of the CoP lack.
 
-The CoP by the joint angles is smoothed until it changes like the measured one. Gains that are not
-known yet scale and turn the change, so that is fitted along: what counts is how little is left with
-the best width, against none.
+The CoP by the joint angles is smoothed until it changes like the measured one: by a filter that
+looks both ways, and by one of first order that looks back, as firmware has (y += a (x - y)), whose
+delay is found along. Gains that are not known yet scale and turn the change, so that is fitted,
+too: what counts is how little is left with the best filter, against none.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
+from scipy.signal import lfilter
 
 from shoecal_core.arrays import FloatArray
 from shoecal_core.samples.filters import resampled, typical_period
@@ -18,8 +21,10 @@ from shoecal_core.screening.clocks import CopTrack, late_of
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.verdict import Finding
 
-WIDTHS_S = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 1.0, 1.2, 1.5, 2.0)
+WIDTHS_S = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 1.0, 1.2, 1.5, 2.0)
 """Standard deviations of the filters that are tried. A mean over a second has 0.29."""
+CONSTANTS_S = (0.3, 0.4, 0.5, 0.6, 0.8, 1.0, 1.4, 2.0)
+"""Time constants of those of first order: their standard deviations, too."""
 HARMLESS_S, REFUSED_S = 0.5, 0.7
 """Narrower ones than the first are not reported, from the second on they are refused. Measured on
 Wren and NAO: a calibration of sound ones moves the CoP by 0.2 mm RMS at 0.45 s, 0.6 mm at 0.6 s; at
@@ -30,35 +35,67 @@ CALM_S = 0.05
 """Noise of the readings is faster than this."""
 LEFT = 0.5
 """With the best width less than this share is left of what no width leaves. Simulated recordings
-smoothed by 0.6 s and more: 0.04 to 0.27; sound ones, simulated and real: 1.0."""
+smoothed by 0.6 s and more: 0.04 to 0.27, by a first order of 1 s 0.35 to 0.40; sound ones,
+simulated and real: 1.0."""
 
 
-def smoothed_by(tracks: Mapping[int, CopTrack]) -> float:
-    """Standard deviation of the filter that the readings went through [s]; 0 where it is narrow.
+@dataclass(frozen=True)
+class Smoothing:
+    """A filter that readings went through.
+
+    Attributes:
+        width: standard deviation [s]; of one that looks back its time constant.
+        back: it looks back only, as the device's own does.
+    """
+
+    width: float
+    back: bool = False
+
+
+NONE = Smoothing(0.0)
+FILTERS = (
+    NONE,
+    *(Smoothing(width) for width in WIDTHS_S),
+    *(Smoothing(width, back=True) for width in CONSTANTS_S),
+)
+
+
+def smoothing(tracks: Mapping[int, CopTrack]) -> Smoothing | None:
+    """The filter that the readings of all runs went through; None where it is narrow.
 
     Args:
         tracks: of each run, see `cop_tracks`.
     """
-    widths = [_width(track) for track in tracks.values()]
-    width = float(np.median(widths)) if widths else 0.0
-    return width if width >= HARMLESS_S else 0.0
-
-
-def _width(track: CopTrack) -> float:
-    """Of one run; 0 where none explains it."""
-    late = late_of([track])
-    both, time = resampled(np.hstack((track.measured, track.modelled)), track.time)
-    period = typical_period(time)
-    modelled = np.stack([np.interp(time + late, time, axis) for axis in both[:, 2:].T], axis=1)
-    calm = _smooth(np.hstack((both[:, :2], modelled)), CALM_S, period)
-    every = max(1, int(CALM_S / period))
-    calm, period = calm[::every], every * period
-    placed = _quick(calm[:, :2], period)
-    left = [
-        _left(placed, _quick(_smooth(calm[:, 2:], width, period), period)) for width in WIDTHS_S
-    ]
+    if not tracks:
+        return None
+    left = np.median([_each_left(track) for track in tracks.values()], axis=0)
     best = int(np.argmin(left))
-    return WIDTHS_S[best] if left[best] < LEFT * left[0] else 0.0
+    return FILTERS[best] if left[best] < LEFT and FILTERS[best].width >= HARMLESS_S else None
+
+
+def _each_left(track: CopTrack) -> FloatArray:
+    """(F,) what each filter leaves of one run, over what none leaves."""
+    both, time = resampled(np.hstack((track.measured, track.modelled)), track.time)
+    even = CopTrack(time, both[:, :2], both[:, 2:])
+    late = late_of([even])
+    left = np.array([_left_by(one, even, late) for one in FILTERS])
+    return np.asarray(left / left[0])
+
+
+def _left_by(one: Smoothing, track: CopTrack, late: float) -> float:
+    """What a filter leaves; one that looks back makes up for a part of the delay."""
+    period = typical_period(track.time)
+    modelled = _smooth(track.modelled, one.width, period)
+    if one.back:
+        modelled = _first_order(track.modelled, one.width, period)
+        late = late_of([replace(track, modelled=modelled)])
+    shifted = np.stack(
+        [np.interp(track.time + late, track.time, axis) for axis in modelled.T], axis=1
+    )
+    calm = _smooth(np.hstack((track.measured, shifted)), CALM_S, period)
+    every = max(1, int(CALM_S / period))
+    quick = _quick(calm[::every], every * period)
+    return _left(quick[:, :2], quick[:, 2:])
 
 
 def _left(placed: FloatArray, expected: FloatArray) -> float:
@@ -77,16 +114,28 @@ def _smooth(values: FloatArray, width: float, period: float) -> FloatArray:
     return smooth
 
 
-def describe_smoothed(width: float) -> list[Finding]:
-    """Readings that lack what is quick, by the width of `smoothed_by` [s]."""
-    if width == 0.0:
+def _first_order(values: FloatArray, constant: float, period: float) -> FloatArray:
+    """(T, k) a low-pass of first order of values (T, k)."""
+    kept = np.exp(-period / constant)
+    filtered, _ = lfilter([1.0 - kept], [1.0, -kept], values, axis=0, zi=kept * values[:1])
+    return np.asarray(filtered)
+
+
+def describe_smoothed(found: Smoothing | None) -> list[Finding]:
+    """Readings that lack what is quick."""
+    if found is None:
         return []
+    kind = (
+        f"a low-pass of first order with a time constant of {found.width:.1f} s (an exponential "
+        "mean, or a low rate's filter)"
+        if found.back
+        else f"a filter with a standard deviation of {found.width:.1f} s"
+    )
     return [
         Finding(
-            "FAIL" if width >= REFUSED_S else "WARN",
-            f"readings are smoothed, as by a filter with a standard deviation of {width:.1f} s: "
-            "quick changes of the CoP that the joint angles show are missing in them; record or "
-            "export them raw (switch the filter off)",
+            "FAIL" if found.width >= REFUSED_S else "WARN",
+            f"readings are smoothed, as by {kind}: quick changes of the CoP that the joint angles "
+            "show are missing in them; record or export them raw (switch the filter off)",
             Fault.SMOOTHED,
         )
     ]

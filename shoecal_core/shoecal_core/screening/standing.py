@@ -127,7 +127,7 @@ def screen_standing(
     found = found.adding(describe_saturated(shoe, ended))
     if found.fails:
         return found
-    found = found.adding(describe_pulls(list(pulled.values())) + describe_weights(wrong))
+    found = found.adding(describe_pulls(list(pulled.values())) + describe_weights(wrong, weight))
     if found.fails:
         return found
     found = found.adding(_minor(fitted, watched, bent))

@@ -9,7 +9,7 @@ from shoecal_core.recording.run import Run
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.screening.clocks import clock_rate, cop_tracks, time_offset
 from shoecal_core.screening.settings import CalibrationSettings
-from shoecal_core.screening.smoothed import smoothed_by
+from shoecal_core.screening.smoothed import Smoothing, smoothing
 from shoecal_core.shoe.shoe import Shoe
 
 
@@ -20,12 +20,17 @@ class Timing:
     Attributes:
         late: joints are late by so much against the readings [s]; it can be put right.
         clock_rate: by which the readings' clock runs faster than the joints', as a share.
-        smoothed: standard deviation of the filter that the readings went through [s].
+        smoothed: the filter that the readings went through.
     """
 
     late: float = 0.0
     clock_rate: float = 0.0
-    smoothed: float = 0.0
+    smoothed: Smoothing | None = None
+
+    @property
+    def explained(self) -> bool:
+        """The offset is a fast clock's, or the delay of a filter, which is named itself."""
+        return bool(self.clock_rate) or (self.smoothed is not None and self.smoothed.back)
 
 
 def timing_of(
@@ -45,7 +50,7 @@ def timing_of(
         number: aligned[number] for number, run in runs.items() if run.info.support is not None
     }
     tracks = cop_tracks(standing, shoe, weight, settings)
-    smoothed = smoothed_by(tracks)
+    smoothed = smoothing(tracks)
     starts = {number: run.start_ns / 1e9 for number, run in runs.items()}
     # What a filter leaves of the CoP drifts against the model as a clock's does.
     rate = 0.0 if smoothed else clock_rate(starts, tracks)

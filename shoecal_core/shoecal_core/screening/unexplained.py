@@ -31,8 +31,8 @@ def describe_unexplained(size: float) -> list[Finding]:
             "WARN",
             f"the vertical forces vary by {size:.1f} N (RMS) about the robot's weight, and nothing "
             "that is looked for explains it: see that amplifiers neither track their zeros nor "
-            "filter, that screws are tight and the supply is steady; `shoecal diagnose` looks "
-            "further",
+            "filter, that screws are tight, the supply is steady and no board was exchanged or "
+            "set otherwise between the runs; `shoecal diagnose` looks further",
             Fault.UNEXPLAINED,
         )
     ]

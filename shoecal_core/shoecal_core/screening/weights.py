@@ -19,6 +19,9 @@ OFF_STDS = 4.0
 """A run's weight is wrong when it is this many of the settings' standard deviations off, beyond
 what the other runs leave open."""
 OPEN_STDS = 3.0
+TARED_SHARE = 0.2
+"""Of the weight: a sensor that was zeroed under its foot's load hides about half, hands that hold a
+robot seldom so much."""
 
 
 @dataclass(frozen=True)
@@ -65,8 +68,10 @@ def _excess(run: int, runs: Statics) -> WrongWeight:
     return WrongWeight(run, excess, OFF_STDS * std + OPEN_STDS * left_open)
 
 
-def describe_weights(found: Sequence[WrongWeight]) -> list[Finding]:
-    """Runs under another weight; the last two together when it is unknown which is right."""
+def describe_weights(found: Sequence[WrongWeight], weight: float) -> list[Finding]:
+    """Runs under another weight than that of robot and shoes [N]; the last two together when it is
+    unknown which is right.
+    """
     if len(found) > 1 and found[-1].undecided:
         one, other = found[-2:]
         apart = (abs(one.excess) + abs(other.excess)) / 2.0
@@ -79,15 +84,21 @@ def describe_weights(found: Sequence[WrongWeight]) -> list[Finding]:
                 Fault.WRONG_WEIGHT,
             )
         ]
-        return describe_weights(found[:-2]) + undecided
+        return describe_weights(found[:-2], weight) + undecided
     return [
         Finding(
             "WARN",
             f"run {one.run} was recorded with {abs(one.excess):.1f} N "
             f"{'more' if one.excess > 0.0 else 'less'} on the feet than the others (limit "
             f"{one.limit:.1f} N) and is left out: see that the robot carries nothing and is not "
-            "held, then record it again",
+            f"held{_or_tared(one, weight)}, then record it again",
             Fault.WRONG_WEIGHT,
         )
         for one in found
     ]
+
+
+def _or_tared(one: WrongWeight, weight: float) -> str:
+    """What else hides so much of the weight [N]."""
+    hidden = one.excess < -TARED_SHARE * weight
+    return ", and that no sensor is zeroed (tare, bias) while its foot carries load" * hidden
