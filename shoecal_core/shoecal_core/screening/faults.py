@@ -24,6 +24,7 @@ class Fault(Enum):
     INVERTED = "inverted"
     SWAPPED = "swapped"
     MOVED_ZEROS = "moved_zeros"
+    DRIFTING = "drifting"
     CHANGED_GAINS = "changed_gains"
     LEAKING = "leaking"
     WRONG_WEIGHT = "wrong_weight"

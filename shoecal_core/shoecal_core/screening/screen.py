@@ -128,7 +128,8 @@ def screen(
         number: detect_lifted_foot(runs[number].info.motion, one) for number, one in double.items()
     }
     fast = {number for number in double if runs[number].info.motion in FAST_MOTIONS}
-    whole = screen_standing(found, double, lifting, fast, shoe, weight, settings)
+    starts = {number: runs[number].start_ns / 1e9 for number in double}
+    whole = screen_standing(found, double, lifting, fast, starts, shoe, weight, settings)
     return replace(whole, findings=without_motion(whole.findings)) if legs.step else whole
 
 

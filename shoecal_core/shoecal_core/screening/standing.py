@@ -18,6 +18,7 @@ from shoecal_core.screening.blocks import Blocks, blocks
 from shoecal_core.screening.changed_gains import changed_gains, describe_changed_gains
 from shoecal_core.screening.closure import FootMotion, Slipped, describe_slips, feet, slips
 from shoecal_core.screening.disturbed import disturbed
+from shoecal_core.screening.drifting import describe_drift, drifting
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.hanging import both_hang, without
 from shoecal_core.screening.hum import describe_hum, find_hum
@@ -79,6 +80,7 @@ def screen_standing(
     aligned: Mapping[int, Aligned],
     lifting: Mapping[int, LiftedFoot | None],
     fast: Collection[int],
+    starts: Mapping[int, float],
     shoe: Shoe,
     weight: float,
     settings: CalibrationSettings,
@@ -87,6 +89,7 @@ def screen_standing(
 
     Args:
         aligned: runs in double support, by number.
+        starts: of each of them, by one clock [s].
         lifting: of each of them, the foot that it lifts on purpose.
         fast: those of a fast motion, which disturbs them without any fault.
         weight: of robot and shoes [N].
@@ -107,7 +110,7 @@ def screen_standing(
     found = found.adding(early)
     if not found.fails and len(aligned) > 1:
         height = float(np.median([np.median(one.states.com[:, 0, 2]) for one in aligned.values()]))
-        found = found.adding(_electrical(statics, height))
+        found = found.adding(_electrical(statics, height, starts))
     steady = {run: aligned[run] for run, lift in lifting.items() if lift is None}
     if not found.fails:
         slow = {run: one for run, one in steady.items() if run not in fast}
@@ -189,19 +192,23 @@ def _minor(statics: Statics, watched: Collection[int], bent: Bending | None) -> 
     return known or describe_unexplained(unexplained(statics))
 
 
-def _electrical(statics: Statics, height: float) -> list[Finding]:
+def _electrical(statics: Statics, height: float, starts: Mapping[int, float]) -> list[Finding]:
     """The first fault of zeros, gains, cables and converter that is found.
 
     Their order is a decision: each of them looks like some of those that come after it.
 
     Args:
         height: of the CoM over the floor [m].
+        starts: of each run, by one clock [s].
     """
     shoe = statics.shoe
     moved = moved_zeros(statics, height)
     if moved is not None:
         return describe_zeros(shoe, moved, statics.weight)
-    wanders = wandering(statics)
+    drift, wanders = drifting(statics, starts), wandering(statics)
+    # One cell that wanders makes zeros drift, at its foot alone.
+    if drift is not None and (wanders is None or drift.readings or drift.feet[1:]):
+        return describe_drift(drift, statics.weight)
     if wanders is not None:
         return describe_wandering(shoe, wanders)
     changed = changed_gains(statics)

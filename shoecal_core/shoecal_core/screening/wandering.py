@@ -107,6 +107,7 @@ def describe_wandering(shoe: Shoe, found: Wandering) -> list[Finding]:
     else:
         text = (
             f"the zero of {name} wanders by {found.force:.1f} N between and within the runs: look "
-            "for water, a loose cable, or a cell that was overloaded; replace it and record again"
+            "for water, a loose cable, a board that was just switched on, or a cell that was "
+            "overloaded, and record again"
         )
     return [Finding("FAIL", text, Fault.MOVED_ZEROS)]
