@@ -2,36 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Mapping
+from dataclasses import replace
 
 import numpy as np
-from scipy.ndimage import median_filter
 
-from shoecal_core.arrays import BoolArray, FloatArray
+from shoecal_core.arrays import BoolArray
 from shoecal_core.samples.aligned import Aligned
-from shoecal_core.samples.filters import typical_period
-from shoecal_core.samples.lifting import TRANSIT_S, LiftedFoot, lifted
-from shoecal_core.samples.stretches import JOIN_S, lasting, stretches, widened
+from shoecal_core.samples.lifting import TRANSIT_S, LiftedFoot
+from shoecal_core.samples.stretches import widened
 from shoecal_core.screening.bending import Bending, bending, describe_bending
-from shoecal_core.screening.blocks import Blocks, blocks
+from shoecal_core.screening.blocks import blocks
 from shoecal_core.screening.changed_gains import changed_gains, describe_changed_gains
-from shoecal_core.screening.closure import FootMotion, Slipped, describe_slips, feet, slips
-from shoecal_core.screening.disturbed import disturbed
+from shoecal_core.screening.closure import describe_slips
 from shoecal_core.screening.drifting import describe_drift, drifting
-from shoecal_core.screening.faults import Fault
+from shoecal_core.screening.events import Watch, first_slips, leave_out_marked, leave_out_run
 from shoecal_core.screening.hanging import both_hang, without
 from shoecal_core.screening.hum import describe_hum, find_hum
 from shoecal_core.screening.leaking import describe_leaking, leaking
-from shoecal_core.screening.noise import noise
-from shoecal_core.screening.pulled import Pull, describe_pulls, describe_wavering, pulls, wavering
-from shoecal_core.screening.quasi_static import too_fast
-from shoecal_core.screening.result import LeftOut, Screening, describe_left_out
+from shoecal_core.screening.pulled import describe_pulls, describe_wavering, pulls, wavering
+from shoecal_core.screening.result import Screening
 from shoecal_core.screening.rough_fit import Statics, reweighed, solve
 from shoecal_core.screening.saturated import (
-    AT_END_STDS,
     Saturated,
-    at_ends,
     describe_saturated,
     flat,
     saturated,
@@ -39,7 +32,6 @@ from shoecal_core.screening.saturated import (
 )
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.screening.sideways import describe_sideways, sideways_fault, sideways_pulls
-from shoecal_core.screening.spikes import find_jumps
 from shoecal_core.screening.turned_frames import describe_turned_frames, turned_frames
 from shoecal_core.screening.unexplained import describe_unexplained, unexplained
 from shoecal_core.screening.verdict import Finding
@@ -47,32 +39,11 @@ from shoecal_core.screening.wandering import describe_wandering, wandering
 from shoecal_core.screening.weights import describe_weights, wrong_weights
 from shoecal_core.screening.wiring import check_wiring, describe_wiring
 from shoecal_core.screening.zeros import describe_zeros, moved_zeros
-from shoecal_core.shoe.sensing import MINIMUM_FORCE
-from shoecal_core.shoe.shoe import FEET, Shoe
-from shoecal_core.shoe.wrench import ChannelParameters, cop, foot_wrenches
+from shoecal_core.shoe.shoe import Shoe
 
 SPOILS_SHARE = 0.2
 """Of the time, that a channel is at an end at least, before it spoils what other faults show: those
 that are there for less are looked for when runs under another weight are known."""
-MARGIN_S = 0.15
-"""Also left out around what moved, pushed or lifted the robot: it still sways."""
-HIT_MARGIN_S = 0.03
-"""The same around a hit that is over at once."""
-LIFT_S = 0.8
-"""A foot that is off the floor for longer, margins included, is in the air: that is no step."""
-PULL_MARGIN_S = 1.0
-"""Left out before and after a pull, while it begins and ends."""
-SLIP_MARGIN_S = 0.5
-"""Left out before a slip: when it began is known no better."""
-LEAST_SHARE = 0.4
-"""A run of which less is usable is left out."""
-FREE_SHARE = 0.2
-"""A foot that was lifted on purpose and carries more of the weight still touches something; the
-rough fit knows a foot's share no better."""
-CALM_S = 0.2
-"""Loads are medians of so long a time: no noise lifts a foot or puts it down."""
-LEAST_JUMP_STDS = 1.0
-"""Smaller jumps do no harm, in the settings' standard deviations of the force."""
 
 
 def screen_standing(
@@ -135,21 +106,21 @@ def screen_standing(
         return found
     found = found.adding(_minor(fitted, watched, bent))
     fitting = [run for run in parts if run in unloaded.parts or run in pulled]
-    watch = _Watch(shoe, fitted.fit.parameters, weight, settings, ended)
+    watch = Watch(shoe, fitted.fit.parameters, weight, settings, ended)
     found = replace(found, load={run: watch.load(one) for run, one in aligned.items()})
-    moments = {
-        run: watch.moments(aligned[run], parts[run], lifting[run], aloft.get(run), pulled.get(run))
+    events = {
+        run: watch.events(aligned[run], parts[run], lifting[run], aloft.get(run), pulled.get(run))
         for run in fitting
     }
     found = replace(found, hanging={run: one for run, one in hanging.items() if run in fitting})
-    slipped = _slipped(moments)
+    slipped = first_slips(events)
     found = found.adding(describe_slips(slipped))
     for run, one in aligned.items():
-        if run in moments:
+        if run in events:
             slip = slipped.get(run)
-            found = _leaving_out(found, run, one, moments[run], slip, shoe, fast=run in fast)
+            found = leave_out_marked(found, run, one, events[run], slip, shoe, fast=run in fast)
         else:
-            found = _leaving_out_all(found, run, one)
+            found = leave_out_run(found, run, one)
     return found
 
 
@@ -219,200 +190,3 @@ def _electrical(statics: Statics, height: float, starts: Mapping[int, float]) ->
         or describe_leaking(shoe, leaking(statics))
         or describe_turned_frames(turned_frames(statics))
     )
-
-
-def _slipped(moments: Mapping[int, _Moments]) -> dict[int, Slipped]:
-    """The first slip of each run; a foot that was lifted may stand elsewhere afterwards."""
-    calm = {
-        (run, part): feet
-        for run, one in moments.items()
-        for part, feet in enumerate(one.calm)
-        if len(feet.time) > 1
-    }
-    found: dict[int, Slipped] = {}
-    for (run, _), slip in sorted(slips(calm).items()):
-        found.setdefault(run, slip)
-    return found
-
-
-@dataclass(frozen=True)
-class _Moments:
-    """What happened in one run, and when.
-
-    Attributes:
-        marked: (T,) by fault, the gravest first.
-        spikes: (T, n).
-        air: (T,) the foot that was lifted on purpose hangs free.
-        off_floor: name of the foot that carries less while one is lifted; empty where none is.
-        calm: samples while both feet stand, their readings without jumps; before, between and
-            after the times that a foot was in the air on purpose.
-    """
-
-    marked: Mapping[Fault, BoolArray]
-    spikes: BoolArray
-    air: BoolArray
-    off_floor: str
-    calm: tuple[FootMotion, ...]
-
-
-@dataclass(frozen=True)
-class _Watch:
-    """Finds moments that break the assumptions."""
-
-    shoe: Shoe
-    parameters: ChannelParameters
-    weight: float
-    settings: CalibrationSettings
-    ended: Sequence[Saturated]
-
-    def moments(
-        self,
-        aligned: Aligned,
-        part: Blocks,
-        lifting: LiftedFoot | None,
-        aloft: BoolArray | None,
-        pull: Pull | None,
-    ) -> _Moments:
-        """What happened in a run; `aloft` (T,): the whole robot is lifted, or on its way."""
-        time, settings = aligned.time, self.settings
-        if aloft is None:
-            aloft = np.zeros(len(time), dtype=bool)
-        trembling = noise(aligned.readings)
-        least = LEAST_JUMP_STDS * settings.force_std_n
-        jumps = find_jumps(self.shoe, aligned.readings, trembling, self.parameters.gain, least)
-        wrench = self.parameters.outputs(jumps.calm) @ part.columns + part.base
-        place = cop(wrench, MINIMUM_FORCE) - aligned.states.cop[:, 0]
-        nowhere = ~np.isfinite(place).all(axis=1)
-        place[nowhere] = 0.0
-        pushed = disturbed(time, wrench[:, 0] - self.weight, place, settings) | nowhere
-        up = widened(lifted(aligned.states), time, MARGIN_S)
-        grounded = ~lasting(up, time, LIFT_S) & ~aloft
-        meant = air = np.zeros_like(up)
-        calm = [feet(aligned, jumps.calm, grounded)]
-        if lifting is not None and self._hangs(lifting, jumps.calm):
-            meant, air = lifting.air | lifting.moving, lifting.air
-            calm = [
-                feet(aligned, jumps.calm, stretch & grounded)
-                for stretch in lifting.stretches()
-                if not lifting.air[stretch].any()
-            ]
-        marked = {
-            Fault.SATURATED: self._at_end(aligned.readings, trembling),
-            Fault.HANGING: aloft,
-            Fault.PULLED: _pulled(pull, time),
-            Fault.LIFTED: up & ~meant,
-            Fault.LIFTING: meant & ~air,
-            Fault.TOO_FAST: widened(too_fast(aligned, settings), time, MARGIN_S),
-            Fault.DISTURBED: widened(pushed, time, MARGIN_S)
-            | widened(jumps.hits, time, HIT_MARGIN_S),
-        }
-        return _Moments(marked, jumps.spikes, air, self._off_floor(up, jumps.calm), tuple(calm))
-
-    def load(self, aligned: Aligned) -> FloatArray:
-        """(T, 2) each foot's share of the weight."""
-        share = self._carried(aligned.readings) / self.weight
-        window = max(1, round(CALM_S / typical_period(aligned.time)))
-        calm: FloatArray = median_filter(share, (window, 1), mode="nearest")
-        return calm
-
-    def _carried(self, readings: FloatArray) -> FloatArray:
-        """(T, 2) vertical force on each foot, for readings (T, n) [N]."""
-        return foot_wrenches(self.shoe, self.parameters.outputs(readings))[..., 0]
-
-    def _off_floor(self, up: BoolArray, readings: FloatArray) -> str:
-        """The foot that carries less at these samples (T,) of readings (T, n)."""
-        if not up.any():
-            return ""
-        return FEET[int(np.argmin(np.median(self._carried(readings[up]), axis=0)))]
-
-    def _hangs(self, lifting: LiftedFoot, readings: FloatArray) -> bool:
-        """Whether the foot that was lifted carries nothing meanwhile."""
-        if not lifting.air.any():
-            return False
-        carried = self._carried(readings[lifting.air])[:, lifting.foot]
-        return abs(float(np.median(carried))) < FREE_SHARE * self.weight
-
-    def _at_end(self, readings: FloatArray, trembling: FloatArray) -> BoolArray:
-        there = at_ends(self.shoe, readings).any(axis=1)
-        for one in self.ended:
-            off = np.abs(readings[:, one.channel] - one.level)
-            there |= off <= AT_END_STDS * trembling[one.channel]
-        return np.asarray(there)
-
-
-def _pulled(pull: Pull | None, time: FloatArray) -> BoolArray:
-    """(T,) samples at which a force from outside acts, and while it begins and ends."""
-    marked = np.zeros(len(time), dtype=bool)
-    for start, end in pull.stretches if pull is not None else ():
-        marked |= (time >= start - PULL_MARGIN_S) & (time <= end + PULL_MARGIN_S)
-    return marked
-
-
-def _leaving_out(
-    found: Screening,
-    run: int,
-    aligned: Aligned,
-    moments: _Moments,
-    slip: Slipped | None,
-    shoe: Shoe,
-    *,
-    fast: bool,
-) -> Screening:
-    """Leave out what was marked, and what came after a slip; gears that strike are only counted
-    in a fast motion.
-    """
-    time = aligned.time
-    before = time < (np.inf if slip is None else slip.time - SLIP_MARGIN_S)
-    kept, lost = np.ones(len(time), dtype=bool), list[LeftOut]()
-
-    def leave(fault: Fault, marked: BoolArray, *channels: str) -> None:
-        fresh = marked & kept
-        kept[marked] = False
-        if fresh.any():
-            foot = moments.off_floor if fault is Fault.LIFTED else ""
-            lost.append(_lost(found, run, fault, fresh, time, channels, foot))
-
-    for fault, marked in moments.marked.items():
-        leave(fault, marked)
-    for name, marked in zip(shoe.names, moments.spikes.T, strict=True):
-        leave(Fault.SPIKE, marked, name)
-    leave(Fault.SLIPPED, ~before)
-    if kept.sum() < LEAST_SHARE * (found.samples[run] - moments.marked[Fault.HANGING].sum()):
-        lost.append(_lost(found, run, Fault.TOO_LITTLE, kept, time))
-        kept = np.zeros_like(kept)
-    notable = [one for one in lost if not (fast and one.fault is Fault.DISTURBED)]
-    off = (Fault.LIFTED, Fault.LIFTING, Fault.HANGING)
-    standing = before & ~np.any([moments.marked[fault] for fault in off], axis=0)
-    return replace(
-        found.adding(describe_left_out(notable)),
-        left_out=(*found.left_out, *lost),
-        kept={**found.kept, run: kept},
-        standing={**found.standing, run: standing},
-        air={**found.air, run: moments.air},
-    )
-
-
-def _leaving_out_all(found: Screening, run: int, aligned: Aligned) -> Screening:
-    """Leave out a run under another weight."""
-    everything = np.ones(len(aligned.time), dtype=bool)
-    lost = _lost(found, run, Fault.WRONG_WEIGHT, everything, aligned.time)
-    return replace(
-        found,
-        left_out=(*found.left_out, lost),
-        kept={**found.kept, run: ~everything},
-        standing={**found.standing, run: everything},
-    )
-
-
-def _lost(
-    found: Screening,
-    run: int,
-    fault: Fault,
-    marked: BoolArray,
-    time: FloatArray,
-    channels: tuple[str, ...] = (),
-    foot: str = "",
-) -> LeftOut:
-    count = int(marked.sum())
-    times = stretches(marked, time, JOIN_S)
-    return LeftOut(run, fault, count, count / found.samples[run], times, channels, foot)
