@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from difflib import get_close_matches
 from pathlib import Path
 
@@ -58,7 +59,23 @@ class FileError(ShoecalError):
 
 
 class FileMissingError(FileError):
-    """A file or folder that is not there."""
+    """A file or folder that is not there.
+
+    Attributes:
+        named: files and folders that were named together with it: it is none of them.
+    """
+
+    named: tuple[Path, ...] = ()
+
+
+@contextmanager
+def named_together(paths: Iterable[Path]) -> Iterator[None]:
+    """Files and folders that one list or command names: none is meant by another one's name."""
+    try:
+        yield
+    except FileMissingError as error:
+        error.named += tuple(paths)
+        raise
 
 
 class FileTakenError(FileError):

@@ -86,7 +86,7 @@ def _why(error: ShoecalError) -> dict[str, object]:
 
 def _meant(error: ShoecalError) -> str:
     """Of a file that should be there and is not: what may have been meant."""
-    return nearest_file(error.path) if isinstance(error, FileMissingError) else ""
+    return nearest_file(error.path, error.named) if isinstance(error, FileMissingError) else ""
 
 
 def _plain(error: ShoecalError) -> str:

@@ -24,6 +24,7 @@ from shoecal_core.errors import (
     FileSyntaxError,
     FileTooLargeError,
     FileUnreadableError,
+    named_together,
 )
 from shoecal_core.files import open_file, read_bytes, read_error
 from shoecal_core.recording.bag_copies import check_logs, merged, of_this_profile, stored, unmerged
@@ -212,16 +213,22 @@ def _checked_metadata(folder: Path) -> Mapping[str, Any]:
     except (yaml.YAMLError, UnicodeDecodeError, TypeError, KeyError, IndexError) as error:
         cure = f"make it again with `ros2 bag reindex {folder}`"
         raise FileSyntaxError(metadata, f"does not list the files of a bag; {cure}") from error
-    for file in files:
-        if file.exists():
-            continue
-        for suffix in UNPACK:
-            packed = file.with_name(f"{file.name}{suffix}")
-            if packed.exists():
-                problem = f"is compressed, but not listed so in {METADATA}; {_cure(packed)}"
-                raise FileUnreadableError(packed, problem)
-        raise FileMissingError(file, f"is listed in {METADATA}, but does not exist; put it back")
+    with named_together(files):
+        for file in files:
+            _require_file(file)
     return information
+
+
+def _require_file(file: Path) -> None:
+    """Refuse a file that the metadata lists and that is not there, or not as it was recorded."""
+    if file.exists():
+        return
+    for suffix in UNPACK:
+        packed = file.with_name(f"{file.name}{suffix}")
+        if packed.exists():
+            problem = f"is compressed, but not listed so in {METADATA}; {_cure(packed)}"
+            raise FileUnreadableError(packed, problem)
+    raise FileMissingError(file, f"is listed in {METADATA}, but does not exist; put it back")
 
 
 def _check_count(folder: Path, said: object, named: Path) -> None:

@@ -14,6 +14,7 @@ import numpy as np
 import yaml
 
 from shoecal_core.arrays import FloatArray
+from shoecal_core.errors import named_together
 from shoecal_core.recording.bag import Bag
 from shoecal_core.recording.bag_fields import WRENCH, table
 from shoecal_core.recording.bag_mapping import CHOOSE
@@ -27,6 +28,7 @@ from shoecal_core.recording.bag_match import (
     match_joints,
     match_wrench,
     other_types,
+    text_of_numbers,
     what_is_there,
 )
 from shoecal_core.recording.container import MAX_RECORDS
@@ -109,11 +111,16 @@ def draft_mapping(bags: Sequence[Path], robot: Robot, shoe: Shoe) -> BagDraft:
     Raises:
         FileError: for a bag that cannot be read, without joint angles or readings.
     """
+    with named_together(bags):
+        return _draft(bags, robot, shoe)
+
+
+def _draft(bags: Sequence[Path], robot: Robot, shoe: Shoe) -> BagDraft:
     with Bag(bags[0]) as bag:
         seen, others = look_into(bag), other_types(bag)
         joints = match_joints(bag, seen, others, robot)
         degrees = joints.chosen and _degrees(_angles(bag, joints, robot), robot)
-        there = what_is_there(bag)
+        there, text = what_is_there(bag), text_of_numbers(bag)
         empty = [name for name, one in bag.topics.items() if not one.count]
     fields = {
         "joints": joints,
@@ -124,7 +131,7 @@ def draft_mapping(bags: Sequence[Path], robot: Robot, shoe: Shoe) -> BagDraft:
     }
     found = {key: match for key, match in fields.items() if match is not None}
     if not {"cells", "wrenches.left", "wrenches.right"} & set(found):
-        raise RecordingError(bags[0], f"{_no_readings(shoe, seen, empty)}; {there}")
+        raise RecordingError(bags[0], f"{_no_readings(shoe, seen, text, empty)}; {there}")
     used = [topic for match in found.values() for topic in match.topics]
     for topic in used:
         if topic in seen and (apart := seen[topic].apart_s):
@@ -146,8 +153,17 @@ def draft_mapping(bags: Sequence[Path], robot: Robot, shoe: Shoe) -> BagDraft:
     return BagDraft(tuple(trials), found, degrees, received, tuple(notes))
 
 
-def _no_readings(shoe: Shoe, seen: Mapping[str, TopicContent], empty: Sequence[str]) -> str:
-    """Why no topic fits a shoe, with the cure: other cells, another kind of sensor, or none."""
+def _no_readings(
+    shoe: Shoe, seen: Mapping[str, TopicContent], text: str, empty: Sequence[str]
+) -> str:
+    """Why no topic fits a shoe, with the cure: other cells, another kind of sensor, or none.
+
+    Args:
+        shoe: that none fits.
+        seen: topics of known types.
+        text: the problem of topics of text.
+        empty: topics without a message.
+    """
     problem = f"has no topic that fits '{shoe.name}' ({', '.join(shoe.names)})"
     for topic, one in seen.items():
         if one.type == SHOE_VOLTAGES_TYPE:
@@ -165,6 +181,8 @@ def _no_readings(shoe: Shoe, seen: Mapping[str, TopicContent], empty: Sequence[s
             f"{problem}: it has six-axis sensors ({', '.join(wrenches)}), '{shoe.name}' has single "
             "cells; name the shoe that was recorded (--shoe)"
         )
+    if text:
+        return f"{problem}: {text}"
     if empty:
         return f"{problem}: {', '.join(empty)} is there, but holds no message; record it again"
     return (

@@ -112,6 +112,27 @@ def numbers_in(content: Any, prefix: str = "") -> Iterator[str]:
                     yield f"{path}[{at}]"
 
 
+def text_in(content: Any) -> str:
+    """The text of a message that holds no number, its header left out; empty of others."""
+    if next(numbers_in(content), None) is not None:
+        return ""
+    values = [getattr(content, one.name) for one in fields(content) if one.name not in _SKIPPED]
+    return " ".join(
+        value if isinstance(value, str) else " ".join(value)
+        for value in values
+        if isinstance(value, str) or _texts(value)
+    )
+
+
+def text_problem(types: Mapping[str, str]) -> str:
+    """Why topics of text are not read, with the cure, by their types."""
+    kinds = ", ".join(dict.fromkeys(types.values()))
+    return (
+        f"{', '.join(types)} {'hold' if len(types) > 1 else 'holds'} text ({kinds}), which is not "
+        "read: publish numbers, or export it to CSV and use `shoecal import csv`"
+    )
+
+
 def named_numbers(content: Any) -> dict[str, str]:
     """Path by name, where a message lists names and as many numbers.
 

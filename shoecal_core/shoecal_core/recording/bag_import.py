@@ -14,18 +14,21 @@ from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from shoecal_core.arrays import FloatArray
-from shoecal_core.errors import FieldError
+from shoecal_core.errors import FieldError, named_together
 from shoecal_core.recording import foreign, messages, schemas
 from shoecal_core.recording.bag import Bag, BagMessage
 from shoecal_core.recording.bag_fields import (
     IMU,
     JOINT_STATE,
+    KNOWN,
     POSES,
     SENSORS,
     WRENCH,
     numbers_in,
     stamp_ns,
     table,
+    text_in,
+    text_problem,
 )
 from shoecal_core.recording.bag_mapping import BagMapping, NamedTopics, load_bag_mapping
 from shoecal_core.recording.errors import RecordingError
@@ -71,7 +74,8 @@ def import_bags(mapping_path: Path, folder: Path, out: Path) -> Session:
     mapping = load_bag_mapping(Path(mapping_path), folder)
     head = mapping.head
     importer = _Importer(mapping, read_outline(head.urdf), load_shoe(head.shoe))
-    runs = [importer.run(folder / trial.files[BAG], trial) for trial in head.trials]
+    with named_together(head.recordings(folder)):
+        runs = [importer.run(folder / trial.files[BAG], trial) for trial in head.trials]
     return foreign.write_session(out, head, check_angles(head, runs))
 
 
@@ -180,6 +184,8 @@ class _Importer:
         for key, topics in mapping.by_field.items():
             types = TYPES[key.partition(".")[0]]
             for topic in topics:
+                if text := _text_problem(bag, topic):
+                    raise FieldError(mapping.head.path, text, field=key)
                 if topic in bag.topics and topic in by_path.get(key, {}):
                     continue
                 fitting = [name for name, one in bag.topics.items() if one.type in types]
@@ -342,6 +348,16 @@ def _check_stamps(received: _Received) -> None:
             "its messages carry no stamp; list it under 'received' of the mapping to take the "
             "times they were received"
         )
+
+
+def _text_problem(bag: Bag, topic: str) -> str:
+    """Why a topic of a bag is not read where its messages are text; empty of others."""
+    one = bag.topics.get(topic)
+    if one is None or not one.defined or one.type in KNOWN:
+        return ""
+    message = next(bag.messages((topic,)), None)
+    is_text = message is not None and text_in(message.content)
+    return text_problem({topic: one.type}) if is_text else ""
 
 
 def _check_digits(received: _Received) -> None:

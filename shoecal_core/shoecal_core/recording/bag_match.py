@@ -27,6 +27,8 @@ from shoecal_core.recording.bag_fields import (
     named_numbers,
     numbers_in,
     stamp_ns,
+    text_in,
+    text_problem,
 )
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.names import matched_names, without_prefix
@@ -52,6 +54,7 @@ _ANGLES = re.compile(
     r"^(?!.*(temp|torque|current|speed|veloc|command|goal|target)).*(joint|servo|posit)"
 )
 """A topic of measured joint angles, by the words of its name."""
+_DIGIT = re.compile(r"\d")
 _HAND = re.compile(r"hand|wrist|arm|gripper")
 
 
@@ -136,6 +139,21 @@ def other_types(bag: Bag) -> dict[str, TopicContent]:
     return found
 
 
+def text_of_numbers(bag: Bag) -> str:
+    """The problem of topics whose messages are numbers written as text; empty without one.
+
+    A description of the robot is sent once, a status has no digits.
+    """
+    found = dict[str, str]()
+    for name, one in bag.topics.items():
+        if one.type in KNOWN or one.count < 2 or not one.defined:
+            continue
+        message = next(bag.messages((name,)), None)
+        if message is not None and _DIGIT.search(text_in(message.content)):
+            found[name] = one.type
+    return text_problem(found) if found else ""
+
+
 def look_into(bag: Bag) -> dict[str, TopicContent]:
     """The topics of known types."""
     wanted = {name: one for name, one in bag.topics.items() if one.type in KNOWN and one.count}
@@ -218,10 +236,10 @@ def match_joints(
         elif states:
             problem = f"{', '.join(states)} is there, but holds no message; record it again"
         else:
-            problem = (
-                f"has no joint angles ({JOINT_STATE}); {what_is_there(bag)}; write in the "
-                "mapping which field is which joint (joints: {TOPIC: {FIELD: JOINT}})"
+            cure = text_of_numbers(bag) or (
+                "write in the mapping which field is which joint (joints: {TOPIC: {FIELD: JOINT}})"
             )
+            problem = f"has no joint angles ({JOINT_STATE}); {what_is_there(bag)}; {cure}"
         raise RecordingError(bag.path, problem)
     topics, rivals = _apart(renames, set(robot.leg_names))
     if rivals:

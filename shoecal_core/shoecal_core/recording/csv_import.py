@@ -12,7 +12,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from shoecal_core.arrays import FloatArray, IntArray
-from shoecal_core.errors import FieldError
+from shoecal_core.errors import FieldError, named_together
 from shoecal_core.recording import foreign, messages
 from shoecal_core.recording.csv_mapping import (
     CsvMapping,
@@ -70,7 +70,8 @@ def import_csv(mapping_path: Path, folder: Path, out: Path) -> Session:
     mapping = load_csv_mapping(Path(mapping_path), folder)
     head = mapping.head
     importer = _Importer(mapping, folder, read_outline(head.urdf), load_shoe(head.shoe))
-    runs = [importer.run(trial) for trial in head.trials]
+    with named_together(head.recordings(folder)):
+        runs = [importer.run(trial) for trial in head.trials]
     return foreign.write_session(out, head, check_angles(head, runs))
 
 

@@ -60,6 +60,10 @@ class MappingHead:
     angle_unit: float
     trials: tuple[Trial, ...]
 
+    def recordings(self, folder: Path) -> set[Path]:
+        """Files that the trials name, in the recordings' folder."""
+        return {folder / file for trial in self.trials for file in trial.files.values()}
+
 
 def open_mapping(path: Path, *own: str) -> Fields:
     """A mapping file, which may have keys of its own besides those that every mapping has.

@@ -86,6 +86,27 @@ def test_a_file_beside_the_one_that_is_not_there(tmp_path: Path) -> None:
     assert nearest_file(tmp_path / "ee.yaml").endswith(f"'{tmp_path / 'e.yaml'}'?")
 
 
+@pytest.mark.parametrize("missing", [0, 1, 2])
+def test_what_a_list_names_itself_is_no_guess(tmp_path: Path, missing: int) -> None:
+    files = [tmp_path / f"run_1_{part}.mcap" for part in range(3)]
+    for file in files:
+        file.touch()
+    files[missing].unlink()
+    assert nearest_file(files[missing])
+    assert not nearest_file(files[missing], files)
+    renamed = tmp_path / f"run_1_{missing} (1).mcap"
+    renamed.touch()
+    assert nearest_file(files[missing], files).endswith(f"'{renamed}'?")
+
+
+def test_folders_that_a_list_names_are_no_guess(tmp_path: Path) -> None:
+    named = [tmp_path / f"trial_{k}" / "joints.csv" for k in (1, 2)]
+    named[0].parent.mkdir()
+    named[0].touch()
+    assert nearest_file(named[1])
+    assert not nearest_file(named[1], named)
+
+
 @pytest.mark.parametrize("words", [("plan", SHOE, "--shoe", NAO), ("simulate", SHOE, NAO)])
 def test_robot_and_shoe_that_are_exchanged(
     capsys: pytest.CaptureFixture[str], words: tuple[str, ...]

@@ -11,7 +11,7 @@ from rosbags.rosbag2 import CompressionMode
 from rosbags.typesys import get_types_from_msg
 
 from core.recording import bags, samples
-from shoecal_core.errors import FileError, FileTooLargeError
+from shoecal_core.errors import FileError, FileMissingError, FileTooLargeError
 from shoecal_core.files import read_yaml, write_yaml
 from shoecal_core.recording import foreign, schemas
 from shoecal_core.recording.bag_draft import draft_mapping, mapping_text
@@ -528,6 +528,63 @@ def test_a_folder_that_is_not_whole(lab: Lab, old: str, new: str, problem: str) 
     with pytest.raises(FileError) as caught:
         lab.draft(folder)
     assert problem in str(caught.value)
+    if isinstance(caught.value, FileMissingError):
+        assert caught.value.named == (folder / "walk.mcap", folder)
+
+
+def test_a_recording_that_is_missing_is_no_other_trials(lab: Lab) -> None:
+    """Of what is named together with it none is taken for it."""
+    recorded = bags.walk(lab.folder, "walk_1", "mcap", lab.joints).close()
+    missing = lab.folder / "walk_2"
+    with pytest.raises(FileMissingError) as caught:
+        lab.draft(recorded, missing)
+    assert caught.value.path == missing
+    assert set(caught.value.named) == {recorded, missing}
+    lab.draft(recorded)
+    lab.edit(trials=[{"bag": name, "motion": "walk"} for name in ("walk_1", "walk_2")])
+    with pytest.raises(FileMissingError) as caught:
+        lab.imported()
+    assert set(caught.value.named) == {recorded, missing}
+
+
+@pytest.mark.parametrize("kind", ["ros1", "mcap"])
+@pytest.mark.parametrize("text", ["1.5,-3", "FL: 12, FR: 7", "812"])
+def test_readings_as_text_are_refused_with_the_cure(lab: Lab, kind: str, text: str) -> None:
+    """At the draft, and wherever a mapping names such a topic."""
+    bag = bags.BagWriter(lab.folder, "lines", kind)
+    for time in np.arange(0.0, 1.0, 0.1):
+        bag.joints(time, lab.joints)
+        bag.add(time, "/arduino", bag.make("std_msgs/msg/String", data=text))
+        bag.add(time, "/state", bag.make("std_msgs/msg/String", data="ready"))
+    bag.add(0.0, "/robot_description", bag.make("std_msgs/msg/String", data="<mass value='1'/>"))
+    recorded = bag.close()
+    problem = (
+        "/arduino holds text (std_msgs/msg/String), which is not read: publish numbers, or export "
+        "it to CSV and use `shoecal import csv`"
+    )
+    with pytest.raises(FileError) as caught:
+        lab.draft(recorded)
+    assert f"): {problem}; it holds /arduino" in str(caught.value)
+    trials = [{"bag": recorded.name, "motion": "walk"}]
+    for cells in ({"topics": ["/arduino"]}, {"/arduino": {"data": "left/fz"}}):
+        mapping = {
+            "format": 1, "robot": "wren.yaml", "urdf": "wren.urdf", "shoe": "ankles.yaml",
+            "joints": {"topics": ["/joint_states"]}, "cells": cells, "trials": trials,
+        }  # fmt: skip
+        write_yaml(lab.mapping, mapping)
+        with pytest.raises(FileError) as caught:
+            lab.imported()
+        assert str(caught.value).startswith(f"{lab.mapping}: cells.")
+        assert str(caught.value).endswith(problem)
+
+
+def test_joint_angles_as_text_are_refused_with_the_cure(lab: Lab) -> None:
+    bag = bags.BagWriter(lab.folder, "lines", "mcap")
+    for time in np.arange(0.0, 1.0, 0.1):
+        for topic in ("/servo_1", "/servo_2"):
+            bag.add(time, topic, bag.make("std_msgs/msg/String", data="0.25"))
+    with pytest.raises(FileError, match=r"/servo_1, /servo_2 hold text .*: publish numbers, or"):
+        lab.draft(bag.close())
 
 
 def test_errors_of_libraries_are_without_python(lab: Lab) -> None:

@@ -9,7 +9,7 @@ import yaml
 from scipy.spatial.transform import Rotation
 
 from core.recording import samples
-from shoecal_core.errors import FileError
+from shoecal_core.errors import FileError, FileMissingError
 from shoecal_core.files import write_yaml
 from shoecal_core.recording.csv_import import import_csv
 from shoecal_core.recording.session import Session
@@ -353,6 +353,14 @@ def test_angles_in_degrees(folder: Path) -> None:
     assert run.base_pose is not None
     turn = Rotation.from_euler("ZYX", np.radians([0.1, 0.2, 0.3]))
     np.testing.assert_allclose(run.base_pose.quaternion[0], turn.as_quat())
+
+
+def test_a_table_that_is_missing_is_no_other_trials(folder: Path) -> None:
+    (folder / "b" / "pos.csv").unlink()
+    with pytest.raises(FileMissingError) as raised:
+        import_all(folder)
+    assert raised.value.path in raised.value.named
+    assert folder / "a" / "pos.csv" in raised.value.named
 
 
 def test_one_row_more_is_left_out_and_reported(folder: Path) -> None:
