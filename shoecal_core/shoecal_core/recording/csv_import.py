@@ -31,6 +31,7 @@ from shoecal_core.recording.join import few_digits, in_order
 from shoecal_core.recording.mapping import Trial
 from shoecal_core.recording.packets import ANGLES_S, READINGS_S, find_packets
 from shoecal_core.recording.session import Session
+from shoecal_core.recording.unpadded import unpadded
 from shoecal_core.robot.urdf import Outline, read_outline
 from shoecal_core.shoe.shoe import Shoe, load_shoe
 
@@ -280,7 +281,7 @@ def _timed(
     table: CsvTable, time: CsvColumn, start_ns: int, notes: list[str], count: int | None = None
 ) -> _Rows:
     """The first `count` rows of a table by its time column, those left out that repeat a time."""
-    nanoseconds = table.read(time)[:count]
+    nanoseconds = _nanoseconds(table, time, notes)[:count]
     outside = (nanoseconds + start_ns < 0.0) | (nanoseconds + start_ns >= foreign.LATEST_NS)
     if outside.any():
         place = int(np.flatnonzero(outside)[0])
@@ -332,6 +333,21 @@ def _timed(
             f"their time repeats or goes back (first in line {table.line(int(back[0]))})"
         )
     return _Rows(table, stamps[forward], np.flatnonzero(forward), notes)
+
+
+def _nanoseconds(table: CsvTable, time: CsvColumn, notes: list[str]) -> FloatArray:
+    """Numbers (T,) of a time column [ns].
+
+    Where the leading zeros of decimals were not printed they are put in, with a note: not a digit
+    is lost, and a recording can rarely be made again.
+    """
+    numbers, texts = table.read(time), table.texts(time)
+    meant = unpadded(texts, table.decimal)
+    if meant is None:
+        return numbers
+    line = table.line(meant.first)
+    notes.append(f"{table.path.name}: {meant.describe(texts[meant.first].strip(), line)}")
+    return meant.times * time.scale
 
 
 def _period_of_counter(step: float, usual: float) -> float | None:

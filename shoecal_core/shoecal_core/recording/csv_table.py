@@ -55,6 +55,7 @@ class CsvTable:
     Attributes:
         path: the file.
         names: of its columns.
+        decimal: the character before decimals.
     """
 
     def __init__(self, path: Path, layout: Layout) -> None:
@@ -65,7 +66,7 @@ class CsvTable:
             FileSyntaxError: is no CSV file, has no rows, or rows of unequal length.
         """
         self.path = path
-        self._separator, self._decimal = layout.separator, layout.decimal
+        self._separator, self.decimal = layout.separator, layout.decimal
         self._lines: list[int] = []
         self._rows: list[list[str]] = []
         try:
@@ -163,24 +164,29 @@ class CsvTable:
             raise self.error(column.name, place, self._why(text, place, following))
         return numbers * column.scale
 
+    def texts(self, column: CsvColumn) -> list[str]:
+        """What stands in a column that is there, T texts."""
+        index = self.names.index(column.name)
+        return [row[index] for row in self._rows]
+
     def _number(self, text: str) -> float:
         """NaN where it is none."""
-        if self._decimal != "." and "." in text:
+        if self.decimal != "." and "." in text:
             return math.nan
         try:
-            return float(text.replace(self._decimal, "."))
+            return float(text.replace(self.decimal, "."))
         except ValueError:
             return math.nan
 
     def _why(self, text: str, place: int, following: str) -> str:
         """What is wrong with a value, by its place below the header and the value after it."""
-        if self._decimal != "." and "." in text:
+        if self.decimal != "." and "." in text:
             return (
-                f"'{text}' has a '.', but 'decimal' is '{self._decimal}'; export the file without "
+                f"'{text}' has a '.', but 'decimal' is '{self.decimal}'; export the file without "
                 "thousands separators, or correct 'decimal'"
             )
         fault = f"'{text}' is not a number"
-        if self._decimal == "." and "," in text:
+        if self.decimal == "." and "," in text:
             return f"{fault}; does the mapping lack decimal: ','?"
         if text.strip() in self.names:
             return (

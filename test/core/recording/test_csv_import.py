@@ -403,6 +403,23 @@ def test_times_without_their_digits_are_refused_with_the_cure(folder: Path, digi
     assert "too few digits; write them to a millisecond or better" in str(raised.value)
 
 
+def test_times_without_leading_zeros_are_read_as_they_were_meant(folder: Path) -> None:
+    """Of `%d.%d` with seconds and nanoseconds; every tenth row would count at a wrong time."""
+    mapping = folder / "mapping.yaml"
+    mapping.write_text(mapping.read_text().replace("unit: ms", "unit: s"))
+    ticks = [2_990_000_000 + 20_000_000 * k for k in range(150)]
+    rows = [f"{tick // 10**9}.{tick % 10**9};0.1;1;2;3;0.1;0.2;0.3;-0.1;9" for tick in ticks]
+    (folder / "a" / "pos.csv").write_text("\n".join([POS.splitlines()[0], *rows]))
+    (folder / "a" / "ft.csv").write_text("\n".join([FT.splitlines()[0], *150 * ["1;2;3;4;5;6"]]))
+    (folder / "b" / "pos.csv").write_text("\n".join([POS.splitlines()[0], *rows[:3]]))
+    run = import_all(folder).read(1)
+    np.testing.assert_allclose(run.joints.time, 0.02 * np.arange(150), atol=1e-9)
+    assert run.notes[0] == (
+        "pos.csv: times were printed without the decimals' leading zeros: 3.10000000 (line 3) is "
+        "read as 3.010000000 (print decimals with `%09d`)"
+    )
+
+
 @pytest.mark.parametrize("row", [7, 55])
 @pytest.mark.parametrize(("bits", "tick_ms"), [(16, 1.0), (32, 1e-3), (32, 1.0)])
 def test_a_counter_that_starts_again_is_told_with_its_line_and_period(
