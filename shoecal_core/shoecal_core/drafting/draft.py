@@ -15,7 +15,7 @@ from shapely.geometry.base import BaseGeometry
 from shapely.ops import nearest_points
 
 from shoecal_core.arrays import FloatArray
-from shoecal_core.drafting.body import Body, Shapes, find_shapes, own_joints, read_body
+from shoecal_core.drafting.body import Body, own_joints, read_body
 from shoecal_core.drafting.capsules import DraftCapsule, find_capsules, pairs_of
 from shoecal_core.drafting.closed_chains import held_joints
 from shoecal_core.drafting.foot_cells import FootCells, find_cells
@@ -40,6 +40,7 @@ from shoecal_core.drafting.soles import (
 from shoecal_core.drafting.support_range import DraftRange, find_range
 from shoecal_core.errors import FileError
 from shoecal_core.robot.gravity import GRAVITY
+from shoecal_core.robot.link_shapes import Shapes, find_shapes
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.robot.urdf import UrdfError, is_limitless
@@ -225,7 +226,7 @@ def _draft(body: Body, name: str, sole: SoleSize | None, *, six_axis: bool) -> D
     legs = find_legs(body)
     held = held_joints(body, legs)
     check_size(body, legs)
-    shapes = find_shapes(body, {joint for chain in legs.chains for joint in chain})
+    shapes = find_shapes(body.description, {joint for chain in legs.chains for joint in chain})
     soles = _soles(body, legs, shapes, sole)
     sensors = find_six_axis(body, legs, soles)
     if six_axis and None in sensors:

@@ -7,6 +7,7 @@ import numpy as np
 from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.leg_masses import unlike_masses
 from shoecal_core.robot.robot import Robot, first_link
+from shoecal_core.robot.sole_places import MisplacedSole, misplaced_soles
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import Shoe
 
@@ -19,9 +20,14 @@ NOTABLE_M = 0.002
 """By which mirrored and unmirrored places differ at least before one of them is wrong: somewhat
 more than the tolerance of a cell's place."""
 
+_WAYS = (("ahead", "behind"), ("to the left", "to the right"))
+"""Along x and along y of the sole frame, to its positive and its negative end."""
+
 
 def check_files(robot: Robot, shoe: Shoe) -> list[Finding]:
-    """Shoes that are too heavy, cells of the other foot, and legs of unlike masses."""
+    """Shoes that are too heavy, cells of the other foot, soles off the feet's shapes, and legs
+    of unlike masses.
+    """
     found = []
     share = shoe.mass / robot.mass
     if share > SHOE_SHARE:
@@ -37,6 +43,7 @@ def check_files(robot: Robot, shoe: Shoe) -> list[Finding]:
             "the right ones' y with the other sign (position_m in the shoe file), unless both "
             "shoes are of the same shape"
         )
+    found += _off_shape(misplaced_soles(robot))
     # Legs of which one has a joint more are counted from the feet.
     pairs = zip(*(reversed(leg) for leg in robot.leg_chains), strict=False)
     for left, right, masses in unlike_masses(robot.model, pairs, robot.mass):
@@ -46,6 +53,26 @@ def check_files(robot: Robot, shoe: Shoe) -> list[Finding]:
             "alike: correct the <mass> of the wrong one"
         )
     return [Finding("WARN", text) for text in found]
+
+
+def _off_shape(soles: list[MisplacedSole]) -> list[str]:
+    """By how much soles are off the shapes of their feet: once where both are alike."""
+    feet: dict[tuple[str, str], list[str]] = {}
+    for sole in soles:
+        ways = [
+            f"{1e3 * abs(by):.0f} mm {way[int(by < 0.0)]}"
+            for by, way in zip(sole.offset, _WAYS, strict=True)
+            if by
+        ]
+        added = ", ".join(f"{value:g}" for value in np.round(sole.cure, 3) + 0.0)
+        feet.setdefault((" and ".join(ways), added), []).append(sole.foot)
+    return [
+        f"the outline of the {' and the '.join(names)} sole is {ways} of the shape that the URDF "
+        "gives the foot, and leaves as much of it free on the other side: the CoP is off by that; "
+        f"add [{added}] to feet.{' and feet.'.join(f'{name}.sole_xyz_m' for name in names)} of the "
+        "robot file, unless outline_m alone is wrong"
+        for (ways, added), names in feet.items()
+    ]
 
 
 def _not_mirrored(robot: Robot, shoe: Shoe) -> float:

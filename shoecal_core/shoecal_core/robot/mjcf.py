@@ -20,12 +20,11 @@ from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import FileError
 from shoecal_core.files import read_bytes
 from shoecal_core.robot.correction import ModelCorrection
+from shoecal_core.robot.mesh_files import LFS_POINTER
 from shoecal_core.robot.robot import Robot, first_link
 from shoecal_core.robot.urdf import written
 from shoecal_core.shoe.shoe import FEET
 
-LFS_POINTER = b"version https://git-lfs"
-"""Begins a file that stands for one in another store."""
 TURNED = 1e-3
 """rad; frames of one name in URDF and MJCF that differ by more are not the same frame."""
 TRIED = 0.1

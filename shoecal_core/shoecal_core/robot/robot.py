@@ -44,6 +44,7 @@ class Foot:
 
     Attributes:
         frame: index of its sole frame in the model.
+        link: index of the frame in the model in which the robot file places that frame.
         joint: index of the model's joint that carries it.
         placement: the sole frame in that joint's frame.
         outline: (k, 2) convex outline of the sole, counter-clockwise, sole frame [m].
@@ -51,6 +52,7 @@ class Foot:
     """
 
     frame: int
+    link: int
     joint: int
     placement: pin.SE3
     outline: FloatArray

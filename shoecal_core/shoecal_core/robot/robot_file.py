@@ -201,7 +201,8 @@ def _foot(fields: Fields, name: str, model: pin.Model, shoe_height: float) -> Fo
     sensing = _convex(fields, "sensing_polygon_m")
     if not shapely.Polygon(outline).buffer(1e-6).contains(shapely.Polygon(sensing)):
         raise fields.error("sensing_polygon_m", "lies partly outside 'outline_m'; shrink it")
-    return Foot(frame, joint, placement, outline, sensing)
+    own = model.getFrameId(fields.text("link"), pin.FrameType.BODY)
+    return Foot(frame, own, joint, placement, outline, sensing)
 
 
 def _convex(fields: Fields, key: str) -> FloatArray:

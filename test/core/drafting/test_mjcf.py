@@ -12,8 +12,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from core.shoe.shoes import ROOT
-from shoecal_core.drafting.body import find_shapes, read_body
+from shoecal_core.drafting.body import read_body
 from shoecal_core.drafting.mjcf import EFFORT_M, MOST_EFFORT_M, SPEED, as_urdf
+from shoecal_core.robot.link_shapes import find_shapes
 from shoecal_core.robot.mjcf import MjcfError
 
 ODD = """
@@ -95,7 +96,7 @@ def test_shapes_are_where_mujoco_has_them(odd: Path, tmp_path: Path) -> None:
     vertices = model.mesh_vert @ data.geom_xmat[geom].reshape(3, 3).T + data.geom_xpos[geom]
     wanted = (vertices - data.body("foot").xpos) @ data.body("foot").xmat.reshape(3, 3)
     ankle = body.model.getJointId("ankle")
-    found = find_shapes(body, {ankle}).points[ankle]
+    found = find_shapes(body.description, {ankle}).points[ankle]
     for bound in (np.min, np.max):
         assert_allclose(bound(found, axis=0), bound(wanted, axis=0), atol=1e-6)
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from shoecal_core.drafting.mesh_files import find_mesh
+from shoecal_core.robot.mesh_files import find_mesh
 
 
 def put(folder: Path, *names: str) -> None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
 
+LFS_POINTER = b"version https://git-lfs"
+"""Begins a file that stands for one in another store."""
 DEPTH = 2
 """How deep meshes are looked for in the URDF's folder, and in those of meshes next to it."""
 FOLDERS = "*[Mm]esh*"
