@@ -189,8 +189,7 @@ def prior(
     shoe: Shoe, blocks: Mapping[int, Blocks], weight: float, settings: CalibrationSettings
 ) -> FloatArray:
     """(2n,) information on gains and offsets: a channel swings by no more than the weight."""
-    readings = [np.zeros((1, len(shoe.names))), *(one.readings for one in blocks.values())]
-    swing = np.ptp(np.concatenate(readings[1:] or readings), axis=0)
+    swing = np.ptp(np.concatenate([one.readings for one in blocks.values()]), axis=0)
     unit = np.where(shoe.torque, TORQUE_LEVER_M, 1.0)
     return np.concatenate(((swing / (weight * unit)) ** 2, (settings.offset_std_n * unit) ** -2.0))
 

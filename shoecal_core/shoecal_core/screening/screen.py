@@ -103,9 +103,9 @@ def screen(
     parts = {number: blocks(within_range(shoe, one), shoe) for number, one in aligned.items()}
     if not legs.soles:  # else what the legs say of the CoP is wrong
         # Exchanged feet look like stuck cells, other weights and other gains.
-        standing = {number: parts[number] for number in double}
-        exchanged = exchanged_runs(Statics.of(shoe, standing, weight, settings))
-        found = found.adding(describe_exchanged_runs(exchanged))
+        if standing := {number: parts[number] for number in double}:
+            exchanged = exchanged_runs(Statics.of(shoe, standing, weight, settings))
+            found = found.adding(describe_exchanged_runs(exchanged))
         if found.fails:
             return found
         walks = {number: one for number, one in aligned.items() if number not in double}
