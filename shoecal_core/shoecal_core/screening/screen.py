@@ -103,9 +103,9 @@ def screen(
     parts = {number: blocks(within_range(shoe, one), shoe) for number, one in aligned.items()}
     if not legs.soles:  # else what the legs say of the CoP is wrong
         # Exchanged feet look like stuck cells, other weights and other gains.
-        if standing := {number: parts[number] for number in double}:
-            exchanged = exchanged_runs(Statics.of(shoe, standing, weight, settings))
-            found = found.adding(describe_exchanged_runs(exchanged))
+        standing = {number: parts[number] for number in double}
+        statics = Statics.of(shoe, standing, weight, settings) if standing else None
+        found = found.adding(describe_exchanged_runs(statics and exchanged_runs(statics)))
         if found.fails:
             return found
         walks = {number: one for number, one in aligned.items() if number not in double}
