@@ -104,8 +104,10 @@ def screen(
     if not legs.soles:  # else what the legs say of the CoP is wrong
         # Exchanged feet look like stuck cells, other weights and other gains.
         standing = {number: parts[number] for number in double}
-        statics = Statics.of(shoe, standing, weight, settings) if standing else None
-        found = found.adding(describe_exchanged_runs(statics and exchanged_runs(statics)))
+        exchanged = (
+            exchanged_runs(Statics.of(shoe, standing, weight, settings)) if standing else None
+        )
+        found = found.adding(describe_exchanged_runs(exchanged))
         if found.fails:
             return found
         walks = {number: one for number, one in aligned.items() if number not in double}
