@@ -31,6 +31,7 @@ from shoecal_core.screening.exchanged_runs import describe_exchanged_runs, excha
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.imu import describe_imu, wrong_imu
 from shoecal_core.screening.legs import Legs
+from shoecal_core.screening.loose_encoders import describe_loose_encoder
 from shoecal_core.screening.result import LeftOut, Screening, describe_left_out
 from shoecal_core.screening.rough_fit import Statics
 from shoecal_core.screening.saturated import (
@@ -94,7 +95,9 @@ def screen(
     found = found.adding(describe_missing_codes(shoe, missing_codes(runs)))
     found = found.adding(describe_dead_bands(shoe, dead_bands(runs)))
     # A held angle is off by more than anything else.
-    found = found.adding(describe_dropouts(legs.dropouts))
+    # It looks like a zero that moves, which looks like a lifted foot.
+    held = describe_dropouts(legs.dropouts)
+    found = found.adding(held or describe_loose_encoder(legs.loose))
     if found.fails:
         return found
     double = {
