@@ -41,8 +41,6 @@ ZERO_RAD, SCALE, GIVE_RAD = 0.03, 0.03, 0.005
 """Standard deviations of a joint's constant zero, of its scale, and of how far its gear gives."""
 FREE = 1e4
 """Standard deviation of what may be anything, in its unit."""
-COARSE = 6
-"""Jumps are looked for at every so many samples, then at each near the best of them."""
 PIECES = 4
 """Of a run, in each of which the feet may stand elsewhere."""
 LEAST_RAD = 0.008
@@ -253,17 +251,13 @@ def _usual(
     return np.stack([one.ravel() for one in columns], axis=1), np.array(stds)
 
 
-def _encoders(
-    robot: Robot, slopes: Mapping[int, FloatArray]
-) -> Iterator[tuple[str, FloatArray]]:
+def _encoders(robot: Robot, slopes: Mapping[int, FloatArray]) -> Iterator[tuple[str, FloatArray]]:
     """The name of each encoder between the feet, and the slope (T, 6) of all joints it reads."""
     led = {one.joint for one in robot.shared}
-    for joint, slope in slopes.items():
-        if joint not in led:
-            for one in robot.shared:
-                if one.leader == joint and one.joint in slopes:
-                    slope = slope + one.ratio * slopes[one.joint]
-            yield robot.joint_names[joint], slope
+    for joint in sorted(slopes.keys() - led):
+        ratios = {one.joint: one.ratio for one in robot.shared if one.leader == joint}
+        parts = [ratio * slopes[one] for one, ratio in ratios.items() if one in slopes]
+        yield robot.joint_names[joint], np.sum([slopes[joint], *parts], axis=0)
 
 
 def _best(
@@ -272,9 +266,7 @@ def _best(
     """What the best course of one joint's zero leaves, that course, and the zero (T,) beyond its
     first [rad]; its slope is (T, 6).
     """
-    best = _best_jump(misfit, standing, slope, range(1, len(standing.run), COARSE))
-    near = range(max(1, best[1].jump - COARSE + 1), min(len(standing.run), best[1].jump + COARSE))
-    best = min(best, _best_jump(misfit, standing, slope, near), key=lambda one: one[0])
+    best = _best_jump(misfit, standing, slope)
     for course in _steady(standing):
         columns = (slope[:, :, None] * course.columns[:, None, :]).reshape(slope.size, -1)
         left, size = misfit.left_by_all(columns)
@@ -285,15 +277,17 @@ def _best(
 
 
 def _best_jump(
-    misfit: _Misfit, standing: _Standing, slope: FloatArray, samples: Sequence[int]
+    misfit: _Misfit, standing: _Standing, slope: FloatArray
 ) -> tuple[float, _Course, FloatArray]:
-    """What the best jump before one of some samples leaves, its course, and the zero (T,) [rad]."""
-    steps = (np.arange(len(standing.run))[:, None] >= np.array(samples)).astype(np.float64)
+    """What the best jump between two samples leaves, its course, and the zero (T,) [rad]."""
+    count = len(standing.run)
+    samples = np.arange(1, count)
+    steps = (np.arange(count)[:, None] >= samples).astype(np.float64)
     lefts, sizes = misfit.left_by_each(
         (slope[:, :, None] * steps[:, None, :]).reshape(-1, len(samples))
     )
     best = int(np.argmin(lefts))
-    at = samples[best]
+    at = best + 1
     between = bool(standing.run[at] != standing.run[at - 1])
     course = _Course(steps[:, best : best + 1], between, at)
     return float(lefts[best]), course, sizes[best] * steps[:, best]
