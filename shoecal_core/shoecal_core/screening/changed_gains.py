@@ -63,7 +63,7 @@ def changed_gains(statics: Statics) -> ChangedGains | None:
     own, whole = with_own(statics, numbers)
     sums = {run: one.sums() for run, one in own.items()}
     common = max(solve_sums(list(sums.values()), whole).cost, LEAST_COST)
-    fits = {group: _apart(sums, group, information, whole) for group in _groups(numbers)}
+    fits = {group: _apart(sums, group, information, whole) for group in groups(numbers)}
     best = min(fits, key=lambda group: fits[group].cost)
     if fits[best].cost > LEFT * common:
         return None
@@ -75,7 +75,7 @@ def changed_gains(statics: Statics) -> ChangedGains | None:
     return ChangedGains(best, tuple(run for run in numbers if run not in best), ratio)
 
 
-def _groups(numbers: Sequence[int]) -> list[tuple[int, ...]]:
+def groups(numbers: Sequence[int]) -> list[tuple[int, ...]]:
     """Runs that follow each other, no more than half of all; of two halves the later one."""
     count = len(numbers)
     return [

@@ -4,8 +4,7 @@ In each run alone gains and offsets follow such a drift; over all runs it has on
 kinds are fitted to the equations of all runs, and the one that explains them is named:
     sum_i A_i (g_i S_i (1 + a s(t)) + d_i) = w - b      all gains alike, as of one supply
     sum_i A_i (g_i S_i + d_i + z_i s(t)) = w - b        zeros, each by its own size
-Under a rigid sole, four cells and more hold zeros to each other, too, whatever the robot does:
-sum_i p_i (g_i S_i + d_i + z_i s(t)) = 0 for some p. That shows zeros whose sum stays.
+The plane that four cells of a rigid sole keep to (`planes`) shows zeros whose sum stays, too.
 """
 
 from __future__ import annotations
@@ -18,12 +17,11 @@ import numpy as np
 from shoecal_core.arrays import FloatArray
 from shoecal_core.screening.blocks import Blocks
 from shoecal_core.screening.faults import Fault
+from shoecal_core.screening.planes import cell_forces, off_plane
 from shoecal_core.screening.rough_fit import RoughFit, Statics, solve
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import FEET
 
-PLANE = 3
-"""Cells that any forces suit."""
 LEAST_RUNS = 3
 """Within one run and between two, a drift looks like gains and zeros of their own."""
 CONSTANTS_S = (10.0, 20.0, 40.0, 80.0, 160.0)
@@ -114,26 +112,21 @@ def _off_plane(
 
     None where the cells of a foot keep their plane, are too few, or never had one.
     """
-    shoe = statics.shoe
-    own = shoe.of_foot(foot)
-    own = own[shoe.vertical[own]]
-    if len(own) <= PLANE:
+    force = cell_forces(statics, foot)
+    if not force:
         return None
-    readings = np.concatenate([one.readings[:, own] for one in statics.parts.values()])
-    force = readings * statics.fit.parameters.gain[own]
-    force -= force.mean(axis=0)
-    none = np.linalg.svd(force, compute_uv=False)[-1]
+    together = np.concatenate(list(force.values()))
+    none, _ = off_plane(together)
     found = list[tuple[float, float]]()
     for course in courses:
-        shape = np.concatenate([course[run] for run in statics.parts])
+        shape = np.concatenate([course[run] for run in force])
         shape = shape - shape.mean()
-        size = shape @ force / (shape @ shape)
-        _, spreads, directions = np.linalg.svd(force - np.outer(shape, size), full_matrices=False)
-        across = directions[-1]
-        found.append((float(spreads[-1]), abs(float(across @ size)) / float(np.abs(across).sum())))
+        size = shape @ together / (shape @ shape)
+        left, across = off_plane(together - np.outer(shape, size))
+        found.append((left, abs(float(across @ size)) / float(np.abs(across).sum())))
     at = int(np.argmin([left for left, _ in found]))
     left, zero = found[at]
-    if left > PLATE_LEFT * none or zero < PLATE_LEAST * statics.weight:
+    if left > PLATE_LEFT**2 * none or zero < PLATE_LEAST * statics.weight:
         return None
     return zero, at
 

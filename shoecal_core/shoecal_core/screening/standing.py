@@ -20,6 +20,7 @@ from shoecal_core.screening.events import Watch, first_slips, leave_out_marked, 
 from shoecal_core.screening.hanging import both_hang, without
 from shoecal_core.screening.hum import describe_hum, find_hum
 from shoecal_core.screening.leaking import describe_leaking, leaking
+from shoecal_core.screening.planes import changed_plane, describe_changed_plane
 from shoecal_core.screening.pulled import describe_pulls, describe_wavering, pulls, wavering
 from shoecal_core.screening.result import Screening
 from shoecal_core.screening.rough_fit import Statics, reweighed, solve
@@ -160,6 +161,7 @@ def _varying(statics: Statics, watched: Collection[int], bent: Bending | None) -
 def _minor(statics: Statics, watched: Collection[int], bent: Bending | None) -> list[Finding]:
     """What a calibration copes with; left to the last, as all else is likelier."""
     known = describe_hum(find_hum(statics, watched)) + describe_bending(statics.shoe, bent)
+    known = known or describe_changed_plane(changed_plane(statics))
     return known or describe_unexplained(unexplained(statics))
 
 
