@@ -18,6 +18,7 @@ from shoecal_core.samples.stretches import JOIN_S, stretches
 from shoecal_core.screening.angle_steps import describe_steps, without_motion
 from shoecal_core.screening.blocks import Blocks, blocks
 from shoecal_core.screening.carrying import describe_moving_feet
+from shoecal_core.screening.clock_jumps import describe_clock_jump
 from shoecal_core.screening.clocks import describe_clock_rate, describe_time_offset
 from shoecal_core.screening.codes import (
     dead_bands,
@@ -126,6 +127,7 @@ def screen(
         found = found.adding(describe_imu(wrong_imu(runs, double)))
     if not found.fails:  # else what the CoP shows of filter and clocks is that fault's
         found = found.adding(describe_smoothed(timing.smoothed))
+        found = found.adding(describe_clock_jump(timing.jump))
         found = found.adding(describe_clock_rate(timing.clock_rate))
     if found.fails or not double:
         return found

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from shoecal_core.recording.run import Run
 from shoecal_core.samples.aligned import Aligned
+from shoecal_core.screening.clock_jumps import ClockJump, clock_jump
 from shoecal_core.screening.clocks import clock_rate, cop_tracks, time_offset
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.screening.smoothed import Smoothing, smoothing
@@ -21,16 +22,19 @@ class Timing:
         late: joints are late by so much against the readings [s]; it can be put right.
         clock_rate: by which the readings' clock runs faster than the joints', as a share.
         smoothed: the filter that the readings went through.
+        jump: of a clock that was set.
     """
 
     late: float = 0.0
     clock_rate: float = 0.0
     smoothed: Smoothing | None = None
+    jump: ClockJump | None = None
 
     @property
     def explained(self) -> bool:
-        """The offset is a fast clock's, or the delay of a filter, which is named itself."""
-        return bool(self.clock_rate) or (self.smoothed is not None and self.smoothed.back)
+        """The offset is a clock's that is fast or was set, or a filter's, which is named itself."""
+        filtered = self.smoothed is not None and self.smoothed.back
+        return bool(self.clock_rate) or self.jump is not None or filtered
 
 
 def timing_of(
@@ -53,5 +57,6 @@ def timing_of(
     smoothed = smoothing(tracks)
     starts = {number: run.start_ns / 1e9 for number, run in runs.items()}
     # What a filter leaves of the CoP drifts against the model as a clock's does.
-    rate = 0.0 if smoothed else clock_rate(starts, tracks)
-    return Timing(time_offset(tracks), rate, smoothed)
+    jump = None if smoothed else clock_jump(tracks)
+    rate = 0.0 if smoothed or jump else clock_rate(starts, tracks)
+    return Timing(time_offset(tracks), rate, smoothed, jump)
