@@ -94,8 +94,8 @@ def describe_clock_jump(found: ClockJump | None) -> list[Finding]:
             "FAIL",
             f"{later} come {abs(found.size):.2f} s later against the {sooner} from a moment "
             f"{where} on: a clock was set (NTP, a board that started again); stop clock steps "
-            "while you record, or stamp both by one clock, and record again, or use runs of one side "
-            "alone (--train, --test)",
+            "while you record, or stamp both by one clock, and record again, or use runs of one "
+            "side alone (--train, --test)",
             Fault.LATE,
         )
     ]
