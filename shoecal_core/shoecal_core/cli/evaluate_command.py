@@ -16,7 +16,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from shoecal_core.cli.arguments import add_force, add_rezero, add_sets, add_weight
+from shoecal_core.cli.arguments import add_force, add_rezero, add_sets, add_weight, require_folder
 from shoecal_core.cli.many_sessions import (
     Ended,
     SessionJob,
@@ -26,7 +26,6 @@ from shoecal_core.cli.many_sessions import (
     figures_of,
     named_sessions,
     one_a_session,
-    output_files,
     print_sessions,
     raise_failed,
     several,
@@ -93,7 +92,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     """Compare on every run, and by set."""
-    output_files(args)
+    if args.json is not None:
+        require_folder(args.json)
     jobs = [
         SessionJob(
             session,

@@ -20,36 +20,23 @@ LEAST_SINE = 0.1
 
 
 @dataclass(frozen=True)
-class Body:
+class Body(Description):
     """A robot in its zero pose, or the one that it is drafted in instead; base at the origin.
 
     Attributes:
-        urdf: the file.
-        root: its elements.
-        model: on a free-flying base.
         mimics: joints that another one's motor turns.
         locked: joints that the file fixes by equal limits.
-        meshes: folder in which its meshes are, where they are not where the file says.
         start: angles of the joints of the model that it is in [rad].
         placements: of every joint of the model, in the base.
         centres: (3,) of every joint on its axis, wherever along it the file puts the joint's
             frame, in the base [m].
     """
 
-    urdf: Path
-    root: ElementTree.Element
-    model: pin.Model
     mimics: Mapping[str, Mimic]
     locked: tuple[str, ...]
-    meshes: Path | None
     start: FloatArray
     placements: tuple[pin.SE3, ...]
     centres: tuple[FloatArray, ...]
-
-    @property
-    def description(self) -> Description:
-        """As the shapes of its links are read."""
-        return Description(self.urdf, self.root, self.model, self.meshes)
 
     def axis(self, joint: int) -> FloatArray:
         """(3,) unit axis about which it turns, in the base."""
@@ -99,7 +86,7 @@ def read_body(
     root = ElementTree.parse(urdf).getroot()  # noqa: S314
     placements = tuple(pin.SE3(placement) for placement in data.oMi)
     return Body(
-        urdf, root, model, description.mimics, description.locked, meshes, angles, placements,
+        urdf, root, model, meshes, description.mimics, description.locked, angles, placements,
         _centres(model, placements),
     )  # fmt: skip
 

@@ -226,7 +226,7 @@ def _draft(body: Body, name: str, sole: SoleSize | None, *, six_axis: bool) -> D
     legs = find_legs(body)
     held = held_joints(body, legs)
     check_size(body, legs)
-    shapes = find_shapes(body.description, {joint for chain in legs.chains for joint in chain})
+    shapes = find_shapes(body, {joint for chain in legs.chains for joint in chain})
     soles = _soles(body, legs, shapes, sole)
     sensors = find_six_axis(body, legs, soles)
     if six_axis and None in sensors:

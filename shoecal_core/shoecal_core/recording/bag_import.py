@@ -20,17 +20,16 @@ from shoecal_core.recording.bag import Bag, BagMessage
 from shoecal_core.recording.bag_fields import (
     IMU,
     JOINT_STATE,
-    KNOWN,
     POSES,
     SENSORS,
     WRENCH,
     numbers_in,
     stamp_ns,
     table,
-    text_in,
     text_problem,
 )
 from shoecal_core.recording.bag_mapping import BagMapping, NamedTopics, load_bag_mapping
+from shoecal_core.recording.bag_match import first_text
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.foreign import ImportedRun, StampedMessage, Stamps
 from shoecal_core.recording.imported_angles import check_angles
@@ -184,8 +183,9 @@ class _Importer:
         for key, topics in mapping.by_field.items():
             types = TYPES[key.partition(".")[0]]
             for topic in topics:
-                if text := _text_problem(bag, topic):
-                    raise FieldError(mapping.head.path, text, field=key)
+                if first_text(bag, topic):
+                    problem = text_problem({topic: bag.topics[topic].type})
+                    raise FieldError(mapping.head.path, problem, field=key)
                 if topic in bag.topics and topic in by_path.get(key, {}):
                     continue
                 fitting = [name for name, one in bag.topics.items() if one.type in types]
@@ -348,16 +348,6 @@ def _check_stamps(received: _Received) -> None:
             "its messages carry no stamp; list it under 'received' of the mapping to take the "
             "times they were received"
         )
-
-
-def _text_problem(bag: Bag, topic: str) -> str:
-    """Why a topic of a bag is not read where its messages are text; empty of others."""
-    one = bag.topics.get(topic)
-    if one is None or not one.defined or one.type in KNOWN:
-        return ""
-    message = next(bag.messages((topic,)), None)
-    is_text = message is not None and text_in(message.content)
-    return text_problem({topic: one.type}) if is_text else ""
 
 
 def _check_digits(received: _Received) -> None:

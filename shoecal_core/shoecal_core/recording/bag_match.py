@@ -144,14 +144,21 @@ def text_of_numbers(bag: Bag) -> str:
 
     A description of the robot is sent once, a status has no digits.
     """
-    found = dict[str, str]()
-    for name, one in bag.topics.items():
-        if one.type in KNOWN or one.count < 2 or not one.defined:
-            continue
-        message = next(bag.messages((name,)), None)
-        if message is not None and _DIGIT.search(text_in(message.content)):
-            found[name] = one.type
+    found = {
+        name: one.type
+        for name, one in bag.topics.items()
+        if one.count > 1 and _DIGIT.search(first_text(bag, name))
+    }
     return text_problem(found) if found else ""
+
+
+def first_text(bag: Bag, topic: str) -> str:
+    """The text of a topic's first message, where that holds text alone; empty of others."""
+    one = bag.topics.get(topic)
+    if one is None or not one.defined or one.type in KNOWN:
+        return ""
+    message = next(bag.messages((topic,)), None)
+    return "" if message is None else text_in(message.content)
 
 
 def look_into(bag: Bag) -> dict[str, TopicContent]:

@@ -41,7 +41,7 @@ class Description:
     urdf: Path
     root: ElementTree.Element
     model: pin.Model
-    meshes: Path | None = None
+    meshes: Path | None
 
 
 @dataclass(frozen=True)

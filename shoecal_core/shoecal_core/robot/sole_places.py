@@ -44,7 +44,7 @@ def misplaced_soles(robot: Robot) -> list[MisplacedSole]:
     try:
         # The model was made of it, so no entity can unfold here.
         root = ElementTree.parse(robot.urdf).getroot()  # noqa: S314
-        described = Description(robot.urdf, root, robot.model)
+        described = Description(robot.urdf, root, robot.model, meshes=None)
         shapes = find_shapes(described, {foot.joint for foot in robot.feet})
     except (FileError, ElementTree.ParseError):
         return []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -78,6 +79,18 @@ def blocks(aligned: Aligned, shoe: Shoe) -> Blocks:
         columns=columns_in_left(shoe, support),
         base=combined(weight_below(shoe), support),
     )
+
+
+def one_after_another(starts: Sequence[float], lengths: Sequence[float]) -> list[float]:
+    """Starts of runs that follow each other [s]: none begins before the last one ended.
+
+    Runs without the time of day all begin at zero.
+    """
+    found, end = list[float](), -np.inf
+    for start, length in zip(starts, lengths, strict=True):
+        found.append(float(max(start, end)))
+        end = found[-1] + length
+    return found
 
 
 def block_size(time: FloatArray) -> int:

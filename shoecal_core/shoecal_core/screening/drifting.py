@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from shoecal_core.arrays import FloatArray
-from shoecal_core.screening.blocks import Blocks
+from shoecal_core.screening.blocks import Blocks, one_after_another
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.planes import cell_forces, off_plane
 from shoecal_core.screening.rough_fit import RoughFit, Statics, solve
@@ -142,12 +142,11 @@ def _session_time(
     parts: Mapping[int, Blocks], starts: Mapping[int, float]
 ) -> dict[int, FloatArray]:
     """(B,) by run, time since the first run began [s]; none begins before the last one ended."""
-    first = min(starts[run] for run in parts)
-    found, end = dict[int, FloatArray](), 0.0
-    for run, one in sorted(parts.items(), key=lambda pair: starts[pair[0]]):
-        found[run] = max(starts[run] - first, end) + one.time
-        end = float(found[run][-1])
-    return found
+    order = sorted(parts, key=lambda run: starts[run])
+    at = one_after_another(
+        [starts[run] for run in order], [float(parts[run].time[-1]) for run in order]
+    )
+    return {run: start - at[0] + parts[run].time for run, start in zip(order, at, strict=True)}
 
 
 def describe_drift(found: Drift, weight: float) -> list[Finding]:

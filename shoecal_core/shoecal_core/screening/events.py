@@ -21,11 +21,7 @@ from shoecal_core.screening.noise import noise
 from shoecal_core.screening.pulled import Pull
 from shoecal_core.screening.quasi_static import too_fast
 from shoecal_core.screening.result import LeftOut, Screening, describe_left_out
-from shoecal_core.screening.saturated import (
-    AT_END_STDS,
-    Saturated,
-    at_ends,
-)
+from shoecal_core.screening.saturated import AT_END_STDS, Saturated, at_ends
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.screening.spikes import find_jumps
 from shoecal_core.shoe.sensing import MINIMUM_FORCE

@@ -14,12 +14,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from shoecal_core.arrays import BoolArray, FloatArray
+from shoecal_core.arrays import BoolArray, FloatArray, IntArray
 from shoecal_core.recording.run import Run
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot import Robot
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.lifting import UNLOADING
+from shoecal_core.screening.blocks import one_after_another
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import Shoe
@@ -207,8 +208,7 @@ def _standing(
     runs: Mapping[int, Run], aligned: Mapping[int, Aligned], shoe: Shoe
 ) -> _Standing | None:
     """Samples of runs in double support that lift no foot on purpose."""
-    parts = list[tuple[FloatArray, ...]]()
-    end = -np.inf
+    kept = dict[int, tuple[Aligned, IntArray]]()
     for number, run in sorted(runs.items()):
         one = aligned.get(number)
         if one is None or run.info.support is None or run.info.motion in UNLOADING:
@@ -217,14 +217,17 @@ def _standing(
         at = np.arange(len(one.time)) if both is None else np.flatnonzero(both)
         if run.info.hanging or len(at) < LEAST_SAMPLES:
             continue
-        at = at[np.unique(np.linspace(0, len(at) - 1, SAMPLES).astype(np.int64))]
-        # Without the time of day, runs follow each other by their numbers.
-        start = max(run.start_ns / 1e9, end)
-        end = start + float(one.time[-1])
-        time = one.time[at]
-        parts.append((one.joint_angles[at], np.full(len(at), float(number)), time, start + time))
-    if len(parts) < LEAST_RUNS:
+        kept[number] = one, at[np.unique(np.linspace(0, len(at) - 1, SAMPLES).astype(np.int64))]
+    if len(kept) < LEAST_RUNS:
         return None
+    starts = one_after_another(
+        [runs[number].start_ns / 1e9 for number in kept],
+        [float(one.time[-1]) for one, _ in kept.values()],
+    )
+    parts = [
+        (one.joint_angles[at], np.full(len(at), float(number)), one.time[at], start + one.time[at])
+        for (number, (one, at)), start in zip(kept.items(), starts, strict=True)
+    ]
     return _Standing(*(np.concatenate(one) for one in zip(*parts, strict=True)))
 
 

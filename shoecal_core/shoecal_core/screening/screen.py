@@ -95,8 +95,8 @@ def screen(
     # Jumps and held values look like every fault of cells and clocks.
     found = found.adding(describe_missing_codes(shoe, missing_codes(runs)))
     found = found.adding(describe_dead_bands(shoe, dead_bands(runs)))
-    # A held angle is off by more than anything else.
-    # It looks like a zero that moves, which looks like a lifted foot.
+    # A held angle, off by more than anything else, looks like a zero that moves, and that like a
+    # lifted foot.
     held = describe_dropouts(legs.dropouts)
     found = found.adding(held or describe_loose_encoder(legs.loose))
     if found.fails:

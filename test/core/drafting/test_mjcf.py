@@ -96,7 +96,7 @@ def test_shapes_are_where_mujoco_has_them(odd: Path, tmp_path: Path) -> None:
     vertices = model.mesh_vert @ data.geom_xmat[geom].reshape(3, 3).T + data.geom_xpos[geom]
     wanted = (vertices - data.body("foot").xpos) @ data.body("foot").xmat.reshape(3, 3)
     ankle = body.model.getJointId("ankle")
-    found = find_shapes(body.description, {ankle}).points[ankle]
+    found = find_shapes(body, {ankle}).points[ankle]
     for bound in (np.min, np.max):
         assert_allclose(bound(found, axis=0), bound(wanted, axis=0), atol=1e-6)
 
