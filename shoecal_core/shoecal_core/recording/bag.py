@@ -215,11 +215,11 @@ def _checked_metadata(folder: Path) -> Mapping[str, Any]:
         raise FileSyntaxError(metadata, f"does not list the files of a bag; {cure}") from error
     with named_together(files):
         for file in files:
-            _require_file(file)
+            _require_file(file, files)
     return information
 
 
-def _require_file(file: Path) -> None:
+def _require_file(file: Path, listed: Collection[Path]) -> None:
     """Refuse a file that the metadata lists and that is not there, or not as it was recorded."""
     if file.exists():
         return
@@ -228,7 +228,9 @@ def _require_file(file: Path) -> None:
         if packed.exists():
             problem = f"is compressed, but not listed so in {METADATA}; {_cure(packed)}"
             raise FileUnreadableError(packed, problem)
-    raise FileMissingError(file, f"is listed in {METADATA}, but does not exist; put it back")
+    others = sorted(set(file.parent.glob(f"*{file.suffix}")) - set(listed))
+    cure = f"give {others[0].name} its name again" if len(others) == 1 else "put it back"
+    raise FileMissingError(file, f"is listed in {METADATA}, but does not exist; {cure}")
 
 
 def _check_count(folder: Path, said: object, named: Path) -> None:

@@ -30,7 +30,9 @@ def unmerged(path: Path) -> bool:
 
 
 def check_logs(path: Path, named: Path) -> None:
-    """Refuse a bag next to which a log lies that no file there owns: what it holds would be lost.
+    """Refuse a bag next to which a log lies that no file there owns, or whose own log is not there.
+
+    What a log holds would be lost.
 
     Args:
         path: of the bag, a file or a folder.
@@ -50,6 +52,13 @@ def check_logs(path: Path, named: Path) -> None:
                 "not: it holds what a recorder wrote last; give both the same name again (the log "
                 f"with {LOG} at its end), or move it away if it is another recording's",
             )
+    # Of a folder the metadata says how many messages there are.
+    if path.is_file() and _keeps_log(path) and not _log(path).is_file() and not stored(path):
+        raise RecordingError(
+            named,
+            f"holds no message, and no {path.name}{LOG} lies next to it: copy that from the "
+            "recorder, too, where one that was killed left all that it wrote; else record it again",
+        )
 
 
 def merged(path: Path, metadata: str, folder: Path) -> Path:
@@ -74,9 +83,9 @@ def merged(path: Path, metadata: str, folder: Path) -> Path:
     return folder / path.name
 
 
-def stored(folder: Path) -> int | None:
-    """Messages in the SQLite files of a bag; None where it has no such file."""
-    files = _files(folder)
+def stored(path: Path) -> int | None:
+    """Messages in the SQLite files of a bag, a file or a folder; None where it has no such file."""
+    files = _files(path)
     if not files:
         return None
     count = 0
@@ -169,6 +178,12 @@ def _as_ros1(messages: Iterator[_Message], target: Path) -> Path:
 
 def _files(path: Path) -> list[Path]:
     return sorted(path.glob("*.db3")) if path.is_dir() else [path] * (path.suffix == ".db3")
+
+
+def _keeps_log(file: Path) -> bool:
+    """Whether SQLite wrote a file with a log: by its header (SQLite's file format, sec. 1.3.3)."""
+    with open_file(file) as source:
+        return source.read(19)[18:] == b"\2"
 
 
 def _log(file: Path) -> Path:

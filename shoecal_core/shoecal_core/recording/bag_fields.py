@@ -72,7 +72,7 @@ def stamp_ns(content: Any) -> int:
 
 
 def number_at(content: Any, path: str) -> float:
-    """The number at a path such as `a.b[2]` of a message.
+    """The number at a path such as `a.b[2]` of a message, also one written as text.
 
     Raises:
         LookupError: there is none, or it is of the header or of an array's layout.
@@ -89,9 +89,12 @@ def number_at(content: Any, path: str) -> float:
             if not isinstance(found, list | np.ndarray):
                 raise LookupError(path)
             found = found[int(place)]
-    if not isinstance(found, int | float | np.number | np.bool_):
+    if not isinstance(found, int | float | np.number | np.bool_ | str):
         raise LookupError(path)
-    return float(found)
+    try:
+        return float(found)
+    except ValueError as error:
+        raise LookupError(path) from error
 
 
 def numbers_in(content: Any, prefix: str = "") -> Iterator[str]:

@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
+import numpy as np
+
 from shoecal_core.estimation.accuracy import ModelLimit, check_accuracy, model_limit
 from shoecal_core.estimation.calibration import (
     Calibration,
@@ -28,7 +30,7 @@ from shoecal_core.recording.train_test import split_runs
 from shoecal_core.robot.robot import Robot
 from shoecal_core.samples.stance import Stance
 from shoecal_core.samples.zeros import ZeroFigures, zeros_json
-from shoecal_core.screening.verdict import Verdict, judge
+from shoecal_core.screening.verdict import Finding, Verdict, judge
 from shoecal_core.shoe.sensing import Sensing
 from shoecal_core.workflows.calibrate import rezeroed
 
@@ -37,6 +39,10 @@ MEASURED, MODELLED, REFERENCE, TRUTH = "measured", "modelled", "reference", "tru
 
 FITTED_TO_NO_RUN = ("manual", "identity")
 """Sources of calibrations for which every run of a session is new."""
+
+OTHER_UNIT = 5.0
+"""Factor on the weight that no gains are off by: they are of readings in another unit, as counts
+are for volts."""
 
 
 class WrongCalibrationError(CalibrationFileError):
@@ -165,6 +171,8 @@ def evaluate_session(
     judged = replace(data, shoe=shoe)
     own = data if not rezero else replace(data, stances=rezeroed(judged, parameters))
     runs = compare_data(session, own, {"train": train, "test": test}, measuring)
+    if other := _of_another_unit(runs, data, calibration):
+        return Evaluated(runs, zeros, judge([other]), data.weighed, {}, data.robot)
     findings = check_weight(shoe, parameters, calibration.gain_std, data.weighed, data.robot)
     findings += check_zeros(shoe, data.zeros, parameters, data.robot.weight, own=rezero)
     limits = {}
@@ -181,6 +189,26 @@ def evaluate_session(
             limits[name] = limit
         findings += check_accuracy(name, found, data.robot, limit, given=calibration.id)
     return Evaluated(runs, zeros, judge(findings), data.weighed, limits, data.robot)
+
+
+def _of_another_unit(
+    runs: Sequence[ComparedRun], data: SessionData, calibration: Calibration
+) -> Finding | None:
+    """The problem of gains that are of readings in another unit: nothing else is true then."""
+    series = [one for run in runs for one in run.sources[MEASURED]]
+    if not series:
+        return None
+    force = abs(float(np.median(np.concatenate([one.grf for one in series]))))
+    weight = data.robot.weight
+    if weight / OTHER_UNIT < force < weight * OTHER_UNIT:
+        return None
+    return Finding(
+        "FAIL",
+        f"by calibration '{calibration.id}' the robot weighs {force:.2g} N, where it weighs "
+        f"{weight:.3g} N: its gains are of readings in another unit than these, which are in "
+        f"{data.shoe.unit} by the shoe file; name a calibration of such readings, or calibrate "
+        "this session",
+    )
 
 
 def compare_data(

@@ -184,8 +184,10 @@ BAD = {
 @pytest.mark.parametrize("name", BAD)
 def test_what_is_missing_is_told(name: str, tmp_path: Path) -> None:
     robot, pattern, replacement, message = BAD[name]
+    # Meshes are looked for next to the URDF's folder too, where those of other tests may lie.
+    (folder := tmp_path / "description").mkdir()
     with pytest.raises(FileError) as error:
-        draft_robot(edited(tmp_path, robot, pattern, replacement), robot)
+        draft_robot(edited(folder, robot, pattern, replacement), robot)
     assert message in str(error.value)
 
 

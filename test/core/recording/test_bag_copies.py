@@ -66,6 +66,13 @@ def test_what_a_killed_recorder_left_in_its_log_is_read(tmp_path: Path, named: s
     assert {one.name: one.read_bytes() for one in copy.iterdir()} == before
 
 
+def test_a_file_without_its_log_says_what_is_missing(tmp_path: Path) -> None:
+    (file,) = killed(tmp_path).glob("*.db3")
+    alone = Path(shutil.copy(file, tmp_path / "alone.db3"))
+    with pytest.raises(FileError, match=r"alone.db3: holds no message, and no alone.db3-wal lies"):
+        everything(alone)
+
+
 def messages_without_log(file: Path) -> int:
     database = sqlite3.connect(f"file:{file}?mode=ro&immutable=1", uri=True)
     (count,) = database.execute("SELECT count(*) FROM messages").fetchone()

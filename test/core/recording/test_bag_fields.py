@@ -7,6 +7,7 @@ import sqlite3
 from collections.abc import Mapping, Sequence
 from contextlib import closing
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -19,7 +20,7 @@ from core.shoe.shoes import ROOT
 from shoecal_core.errors import FileError
 from shoecal_core.files import read_yaml, write_yaml
 from shoecal_core.recording.bag_draft import draft_mapping, mapping_text
-from shoecal_core.recording.bag_fields import LOLA_JOINTS, LOLA_POSITIONS, cells_by_words
+from shoecal_core.recording.bag_fields import LOLA_JOINTS, LOLA_POSITIONS, cells_by_words, number_at
 from shoecal_core.recording.bag_import import import_bags
 from shoecal_core.recording.schemas import SHOE_VOLTAGES_TYPE, schema_text
 from shoecal_core.recording.session import Session
@@ -314,6 +315,18 @@ def test_a_wrong_field_is_one_line(tmp_path: Path, cells: object, problem: str) 
     write_yaml(mapping, values)
     with pytest.raises(FileError, match=problem):
         import_bags(mapping, tmp_path, tmp_path / "again")
+
+
+@pytest.mark.parametrize(("text", "number"), [(" 0.512", 0.512), ("-3", -3.0), ("OK", None)])
+def test_numbers_written_as_text_are_numbers(text: str, number: float | None) -> None:
+    """As a status lists its values: `diagnostic_msgs/DiagnosticArray`."""
+    status = SimpleNamespace(values=[SimpleNamespace(key="load", value=text)])
+    message = SimpleNamespace(status=[status])
+    if number is None:
+        with pytest.raises(LookupError, match=r"status\[0\].values\[0\].value"):
+            number_at(message, "status[0].values[0].value")
+    else:
+        assert number_at(message, "status[0].values[0].value") == number
 
 
 def test_topics_that_fit_nothing_are_listed(tmp_path: Path) -> None:

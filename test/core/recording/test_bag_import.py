@@ -532,6 +532,13 @@ def test_a_folder_that_is_not_whole(lab: Lab, old: str, new: str, problem: str) 
         assert caught.value.named == (folder / "walk.mcap", folder)
 
 
+def test_a_file_that_was_renamed_is_named(lab: Lab) -> None:
+    folder = bags.walk(lab.folder, "walk", "mcap", lab.joints).close()
+    (folder / "walk.mcap").rename(folder / "run_5.mcap")
+    with pytest.raises(FileError, match=r"walk.mcap: is listed .*; give run_5.mcap its name again"):
+        lab.draft(folder)
+
+
 def test_a_recording_that_is_missing_is_no_other_trials(lab: Lab) -> None:
     """Of what is named together with it none is taken for it."""
     recorded = bags.walk(lab.folder, "walk_1", "mcap", lab.joints).close()

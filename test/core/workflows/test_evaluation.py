@@ -124,6 +124,19 @@ def test_another_version_of_the_shoe_s_file_is_told(
     assert "another version of the file of shoe 'nao_shoe'" in note
 
 
+@pytest.mark.parametrize("factor", [1e-6, 1e3])
+def test_gains_of_another_unit_are_told_as_such(
+    session: Session, calibration: Calibration, factor: float
+) -> None:
+    """Counts for volts: neither zeros, nor weight, nor model are wrong."""
+    own = calibration.parameters
+    other = replace(calibration, parameters=replace(own, gain=factor * own.gain))
+    verdict = evaluate_session(session, other).verdict
+    (reason,) = verdict.reasons
+    assert verdict.verdict == "FAIL"
+    assert "gains are of readings in another unit than these, which are in V" in reason
+
+
 def test_everything_known_stands_beside_each_other(
     session: Session, calibration: Calibration
 ) -> None:
