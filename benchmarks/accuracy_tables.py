@@ -14,7 +14,7 @@ from accuracy_results import Result
 from accuracy_sessions import PAPER
 from held import COPS, WHAT, Held
 from pages import Row
-from shoecal_core.estimation.assessment import NORMAL_95
+from shoecal_core.estimation.uncertainty.assessment import NORMAL_95
 from shoecal_core.shoe.shoe import FEET
 
 ERRORS = {

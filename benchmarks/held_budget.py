@@ -7,9 +7,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from shoecal_core.arrays import BoolArray, FloatArray
-from shoecal_core.estimation.budget import NOISE, SUPPORT, mean_squares, unknowns
 from shoecal_core.estimation.joint_fit import FittedDeviation, JointFit
 from shoecal_core.estimation.outcome import CalibrationOutcome
+from shoecal_core.estimation.uncertainty.budget import NOISE, SUPPORT, mean_squares, unknowns
 from shoecal_core.recording.session import Session
 from shoecal_core.shoe.shoe import FEET
 from shoecal_core.simulation.reality import PlantVariation

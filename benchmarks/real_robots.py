@@ -21,7 +21,7 @@ from pages import EVIDENCE, ROOT, Row, markdown, write_section
 from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.estimation.series import Errors, errors, measured_series, modelled_series
 from shoecal_core.parameter_file import load_settings
-from shoecal_core.recording.csv_import import import_csv
+from shoecal_core.recording.imports.csv_import import import_csv
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.shoe.sensing import Sensing
 from shoecal_core.shoe.wrench import ChannelParameters

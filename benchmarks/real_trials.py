@@ -15,7 +15,7 @@ from shoecal_core.estimation.weight import weigh
 from shoecal_core.recording.session import Session
 from shoecal_core.samples.zeros import NORMAL_95, data_sheet
 from shoecal_core.screening.settings import CalibrationSettings
-from shoecal_core.screening.sideways import AXES
+from shoecal_core.screening.six_axis.sideways import AXES
 from shoecal_core.shoe.shoe import FEET
 from shoecal_core.workflows.calibrate import calibrate_session
 

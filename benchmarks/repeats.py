@@ -17,7 +17,7 @@ import numpy as np
 from pages import TRUST, Row, markdown, record, write_section
 from population import Member, one_robot, sessions
 from shoecal_core.arrays import FloatArray
-from shoecal_core.estimation.assessment import NORMAL_95
+from shoecal_core.estimation.uncertainty.assessment import NORMAL_95
 from shoecal_core.recording.session import Session
 from shoecal_core.workflows.calibrate import calibrate_session
 

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 import shoecal_core as sc
 from shoecal_core.files import write_yaml
-from shoecal_core.recording.csv_import import import_csv
+from shoecal_core.recording.imports.csv_import import import_csv
 from shoecal_core.recording.run import Run
 
 

@@ -21,12 +21,12 @@ from matplotlib.patches import Arc
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.files import atomic_write
 from shoecal_core.recording.session import Session
-from shoecal_core.report.assessment import error_pictures
-from shoecal_core.report.calibration_content import CalibrationReport
-from shoecal_core.report.calibration_figures import run_pictures
+from shoecal_core.report.calibration.assessment import error_pictures
+from shoecal_core.report.calibration.content import CalibrationReport
+from shoecal_core.report.calibration.figures import run_pictures
+from shoecal_core.report.calibration.session_report import session_content
 from shoecal_core.report.figures.feet import draw_feet, foot_shape
 from shoecal_core.report.palette import INK, LEFT, RIGHT
-from shoecal_core.report.session_report import session_content
 from shoecal_core.report.sheet import SheetFigure, sheet, write_sheet
 from shoecal_core.report.svg import SMALL, canvas
 from shoecal_core.robot.double_support import DoubleSupport

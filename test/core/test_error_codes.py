@@ -27,7 +27,7 @@ from shoecal_core.files import (
     system_error,
 )
 from shoecal_core.recording.container import read_info
-from shoecal_core.recording.csv_table import CsvTable, Layout
+from shoecal_core.recording.imports.csv_table import CsvTable, Layout
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.writer import RunWriter
 from shoecal_core.robot.robot_file import load_robot

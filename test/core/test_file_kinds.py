@@ -13,9 +13,9 @@ from shoecal_core.estimation.calibration import load_calibration
 from shoecal_core.files import Fields, read_yaml
 from shoecal_core.parameter_file import load_settings
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.recording.bag_mapping import load_bag_mapping
 from shoecal_core.recording.container import read_container
-from shoecal_core.recording.csv_mapping import load_csv_mapping
+from shoecal_core.recording.imports.bag_mapping import load_bag_mapping
+from shoecal_core.recording.imports.csv_mapping import load_csv_mapping
 from shoecal_core.recording.recover import recover
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.robot_file import load_robot, shoe_file_of

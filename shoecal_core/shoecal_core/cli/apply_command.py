@@ -17,7 +17,7 @@ from shoecal_core.cli.progress import shown_progress
 from shoecal_core.cli.prose import say
 from shoecal_core.cli.tables import verdict_line
 from shoecal_core.errors import ShoecalError
-from shoecal_core.estimation.accuracy import GRF_FAIL
+from shoecal_core.estimation.checks.accuracy import GRF_FAIL
 from shoecal_core.files import atomic_write, make_folder
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.kinematics import Kinematics

@@ -44,7 +44,7 @@ from shoecal_core.estimation.initial_guess import InitialGuess
 from shoecal_core.estimation.joint_fit import JointFit
 from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.recording.session import Session
-from shoecal_core.report.assessment_tables import expected_table
+from shoecal_core.report.calibration.assessment_tables import expected_table
 from shoecal_core.report.next_step import after_calibration
 from shoecal_core.report.quantities import channel_units, uncertain
 from shoecal_core.report.recorded_tables import left_out_table, zeros_table
@@ -180,8 +180,8 @@ def _calibrate(
         save_calibration(calibration, out)
     if report is not None:
         # Matplotlib takes a second to load, which most calls need not wait for.
-        from shoecal_core.report.calibration_report import calibration_report  # noqa: PLC0415
-        from shoecal_core.report.session_report import session_content  # noqa: PLC0415
+        from shoecal_core.report.calibration.report import calibration_report  # noqa: PLC0415
+        from shoecal_core.report.calibration.session_report import session_content  # noqa: PLC0415
 
         calibration_report(report, session_content(session, outcome))
     figures = to_json(outcome)

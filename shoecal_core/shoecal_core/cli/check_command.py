@@ -37,7 +37,7 @@ from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import PartialError
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import RunEntry, Session
-from shoecal_core.report.assessment_tables import expected_table
+from shoecal_core.report.calibration.assessment_tables import expected_table
 from shoecal_core.report.next_step import after_check
 from shoecal_core.report.recorded_tables import left_out_table, zeros_table
 from shoecal_core.screening.settings import CalibrationSettings

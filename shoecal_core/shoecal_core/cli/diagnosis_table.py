@@ -13,7 +13,7 @@ from shoecal_core.cli.prose import say
 from shoecal_core.cli.tables import new_table, print_table
 from shoecal_core.diagnosis.budget import LEAST_SHARE
 from shoecal_core.diagnosis.result import VERDICT_TEXTS, Cause, Diagnosis, Size
-from shoecal_core.report.diagnosis_words import finding_text, where_text
+from shoecal_core.report.diagnosis.words import finding_text, where_text
 from shoecal_core.report.quantities import percent
 from shoecal_core.workflows.diagnose import CalibratedGap, Diagnosed
 

@@ -12,9 +12,9 @@ from shoecal_core.cli.arguments import add_json, add_shoe, require_folder, shoe_
 from shoecal_core.cli.prose import say
 from shoecal_core.errors import FileMissingError, FileTakenError, FileUnreadableError
 from shoecal_core.files import atomic_write
-from shoecal_core.recording.bag_draft import draft_mapping, mapping_text
-from shoecal_core.recording.bag_import import import_bags
-from shoecal_core.recording.csv_import import import_csv
+from shoecal_core.recording.imports.bag_draft import draft_mapping, mapping_text
+from shoecal_core.recording.imports.bag_import import import_bags
+from shoecal_core.recording.imports.csv_import import import_csv
 from shoecal_core.recording.session import Session, require_free
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.shoe.shoe import load_shoe

@@ -42,7 +42,12 @@ from shoecal_core.manual.loads import CELLS, SHOE, Load, planned_loads
 from shoecal_core.manual.measurements import Measurements
 from shoecal_core.manual.measurements_file import load_measurements, save_measurements
 from shoecal_core.manual.settings import ManualSettings, load_manual_settings
-from shoecal_core.report.manual_report import ManualReport, cells_table, loads_table, manual_report
+from shoecal_core.report.calibration.manual_report import (
+    ManualReport,
+    cells_table,
+    loads_table,
+    manual_report,
+)
 from shoecal_core.report.next_step import after_calibration, after_cells
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot

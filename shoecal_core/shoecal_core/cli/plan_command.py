@@ -26,8 +26,8 @@ from shoecal_core.planning.supports.identifiability import (
     identifiability,
     total_information,
 )
-from shoecal_core.report.plan_content import PlannedMotion
-from shoecal_core.report.plan_report import PAGE, Unplanned, picture_name, write_plan
+from shoecal_core.report.plan.content import PlannedMotion
+from shoecal_core.report.plan.report import PAGE, Unplanned, picture_name, write_plan
 from shoecal_core.report.weak_table import weak_lines
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot

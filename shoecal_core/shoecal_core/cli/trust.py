@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from shoecal_core.estimation.assessment import Assessment
-from shoecal_core.estimation.budget import Budget
-from shoecal_core.report.assessment_tables import another_text, rms, source_name
+from shoecal_core.estimation.uncertainty.assessment import Assessment
+from shoecal_core.estimation.uncertainty.budget import Budget
+from shoecal_core.report.calibration.assessment_tables import another_text, rms, source_name
 from shoecal_core.report.quantities import quantity
 from shoecal_core.report.recorded_tables import cause_name
 from shoecal_core.report.weak_table import weak_lines

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from shoecal_core.estimation.data_sheets import weight_text
+from shoecal_core.estimation.checks.data_sheets import weight_text
 from shoecal_core.estimation.weight import Weighed
 from shoecal_core.robot.robot import Robot
 

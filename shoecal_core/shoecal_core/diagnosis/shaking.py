@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from shoecal_core.error_sources.signal_model import SignalModel
+from shoecal_core.screening.cells.spikes import find_jumps
 from shoecal_core.screening.events import LEAST_JUMP_STDS
 from shoecal_core.screening.noise import noise
 from shoecal_core.screening.settings import CalibrationSettings
-from shoecal_core.screening.spikes import find_jumps
 
 MUCH = 0.1
 """Share of the samples from which it is reported."""

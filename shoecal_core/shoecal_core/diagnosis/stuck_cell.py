@@ -27,8 +27,8 @@ from shoecal_core.error_sources.signals import COP
 from shoecal_core.samples.samples import Samples
 from shoecal_core.samples.stretches import Stretch
 from shoecal_core.screening.blocks import reading_blocks
-from shoecal_core.screening.saturated import ended
-from shoecal_core.screening.unresponsive import away, dead, stuck_channels
+from shoecal_core.screening.cells.saturated import ended
+from shoecal_core.screening.cells.unresponsive import away, dead, stuck_channels
 from shoecal_core.shoe.wrench import at_cop, by_parameters, columns_in_left, combined, weight_below
 
 MOST_LEFT = 0.5

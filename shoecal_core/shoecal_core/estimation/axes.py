@@ -15,7 +15,7 @@ from scipy.special import stdtrit
 
 from shoecal_core.arrays import FloatArray
 from shoecal_core.samples.stance import Stance
-from shoecal_core.screening.sideways import AXES
+from shoecal_core.screening.six_axis.sideways import AXES
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import FEET, Shoe
 

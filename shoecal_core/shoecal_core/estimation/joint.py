@@ -13,7 +13,7 @@ from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.settings import SignalSettings
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import ShoecalError
-from shoecal_core.estimation.contradiction import contradiction
+from shoecal_core.estimation.checks.contradiction import contradiction
 from shoecal_core.estimation.fit import SelfCalibration
 from shoecal_core.estimation.initial_guess import InitialGuess
 from shoecal_core.estimation.joint_fit import RATE_HZ, JointFit, UnsettledError, fit_jointly

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from shoecal_core.estimation.accuracy import ModelLimit
-from shoecal_core.estimation.assessment import Assessment
 from shoecal_core.estimation.calibration import Calibration
+from shoecal_core.estimation.checks.accuracy import ModelLimit
 from shoecal_core.estimation.fit import SelfCalibration
 from shoecal_core.estimation.joint_fit import JointFit
 from shoecal_core.estimation.series import Errors
 from shoecal_core.estimation.session_data import SessionData
+from shoecal_core.estimation.uncertainty.assessment import Assessment
 from shoecal_core.samples.zeros import ZeroFigures, zeros_json
 from shoecal_core.screening.result import Screening
 

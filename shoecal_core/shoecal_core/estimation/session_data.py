@@ -11,7 +11,7 @@ import numpy as np
 
 from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
-from shoecal_core.estimation.data_sheets import without_sheets
+from shoecal_core.estimation.checks.data_sheets import without_sheets
 from shoecal_core.estimation.joint import SAMPLING
 from shoecal_core.estimation.weight import Weighed, weigh
 from shoecal_core.progress import Progress, no_progress
@@ -29,13 +29,13 @@ from shoecal_core.samples.sampling import make_samples
 from shoecal_core.samples.settings import SampleSettings
 from shoecal_core.samples.stance import Stance
 from shoecal_core.samples.zeros import Zero
+from shoecal_core.screening.clocks.timing import timing_of
 from shoecal_core.screening.extract import stances_of, zeros_of
-from shoecal_core.screening.legs import Legs, examine_legs
+from shoecal_core.screening.joints.legs import Legs, examine_legs
+from shoecal_core.screening.joints.unmoved import describe_unmoved, unmoved_joint
 from shoecal_core.screening.result import Screening
 from shoecal_core.screening.screen import screen
 from shoecal_core.screening.settings import CalibrationSettings
-from shoecal_core.screening.timing import timing_of
-from shoecal_core.screening.unmoved import describe_unmoved, unmoved_joint
 from shoecal_core.shoe.shoe import Shoe
 
 

@@ -8,7 +8,7 @@ from itertools import combinations
 import numpy as np
 
 from shoecal_core.arrays import FloatArray
-from shoecal_core.estimation.checks import GAIN_RATIO
+from shoecal_core.estimation.checks.usable import GAIN_RATIO
 from shoecal_core.estimation.series import Mae
 from shoecal_core.manual.cells import CellFit, unlike_gains
 from shoecal_core.robot.gravity import GRAVITY

@@ -1,1 +1,1 @@
-"""Sessions of recorded runs: write, read, align in time, recover, import."""
+"""Sessions of recorded runs: write, read, align in time, recover."""

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
-from shoecal_core.estimation.assessment import Assessment
+from shoecal_core.estimation.uncertainty.assessment import Assessment
 from shoecal_core.estimation.weight import Weighed
 from shoecal_core.recording.info import RunInfo
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import RunEntry, Session
 from shoecal_core.report import palette
-from shoecal_core.report.assessment_tables import expected_table
+from shoecal_core.report.calibration.assessment_tables import expected_table
 from shoecal_core.report.figures.strips import Strip, strips
 from shoecal_core.report.html import write_page
 from shoecal_core.report.next_step import after_check

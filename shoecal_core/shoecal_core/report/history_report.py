@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from shoecal_core.estimation.assessment import NORMAL_95
 from shoecal_core.estimation.history import HistoryEntry, made_text
+from shoecal_core.estimation.uncertainty.assessment import NORMAL_95
 from shoecal_core.report.figures.tracks import ChannelTrack, tracks
 from shoecal_core.report.html import write_page
 from shoecal_core.report.next_step import after_history

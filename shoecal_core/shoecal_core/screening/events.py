@@ -14,16 +14,16 @@ from shoecal_core.samples.filters import typical_period
 from shoecal_core.samples.lifting import LiftedFoot, lifted
 from shoecal_core.samples.stretches import JOIN_S, lasting, stretches, widened
 from shoecal_core.screening.blocks import Blocks
-from shoecal_core.screening.closure import FootMotion, Slipped, feet, slips
-from shoecal_core.screening.disturbed import disturbed
+from shoecal_core.screening.cells.saturated import AT_END_STDS, Saturated, at_ends
+from shoecal_core.screening.cells.spikes import find_jumps
 from shoecal_core.screening.faults import Fault
+from shoecal_core.screening.loads.disturbed import disturbed
+from shoecal_core.screening.loads.pulled import Pull
 from shoecal_core.screening.noise import noise
-from shoecal_core.screening.pulled import Pull
+from shoecal_core.screening.pose.closure import FootMotion, Slipped, feet, slips
 from shoecal_core.screening.quasi_static import too_fast
 from shoecal_core.screening.result import LeftOut, Screening, describe_left_out
-from shoecal_core.screening.saturated import AT_END_STDS, Saturated, at_ends
 from shoecal_core.screening.settings import CalibrationSettings
-from shoecal_core.screening.spikes import find_jumps
 from shoecal_core.shoe.sensing import MINIMUM_FORCE
 from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_core.shoe.wrench import ChannelParameters, cop, foot_wrenches

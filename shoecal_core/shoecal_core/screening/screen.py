@@ -15,41 +15,22 @@ from shoecal_core.recording.run import Run
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.lifting import detect_lifted_foot
 from shoecal_core.samples.stretches import JOIN_S, stretches
-from shoecal_core.screening.angle_steps import describe_steps, without_motion
 from shoecal_core.screening.blocks import Blocks, blocks
-from shoecal_core.screening.carrying import describe_moving_feet
-from shoecal_core.screening.clock_jumps import describe_clock_jump
-from shoecal_core.screening.clocks import describe_clock_rate, describe_time_offset
-from shoecal_core.screening.codes import (
+from shoecal_core.screening.cells.codes import (
     dead_bands,
     describe_dead_bands,
     describe_missing_codes,
     missing_codes,
 )
-from shoecal_core.screening.disturbed import FAST_MOTIONS
-from shoecal_core.screening.dropouts import describe_dropouts
-from shoecal_core.screening.exchanged_runs import describe_exchanged_runs, exchanged_runs
-from shoecal_core.screening.faults import Fault
-from shoecal_core.screening.imu import describe_imu, wrong_imu
-from shoecal_core.screening.legs import Legs
-from shoecal_core.screening.loose_encoders import describe_loose_encoder
-from shoecal_core.screening.result import LeftOut, Screening, describe_left_out
-from shoecal_core.screening.rough_fit import Statics
-from shoecal_core.screening.saturated import (
+from shoecal_core.screening.cells.exchanged_runs import describe_exchanged_runs, exchanged_runs
+from shoecal_core.screening.cells.saturated import (
     at_ends_or_marked,
     describe_ends,
     describe_saturated,
     ended,
     within_range,
 )
-from shoecal_core.screening.settings import CalibrationSettings
-from shoecal_core.screening.smoothed import describe_smoothed
-from shoecal_core.screening.soles import describe_soles
-from shoecal_core.screening.standing import screen_standing
-from shoecal_core.screening.timing import Timing
-from shoecal_core.screening.twins import describe_twins, find_twins
-from shoecal_core.screening.units import describe_units, other_units, units_of_walks
-from shoecal_core.screening.unresponsive import (
+from shoecal_core.screening.cells.unresponsive import (
     dead,
     dead_feet,
     describe_dead,
@@ -58,6 +39,25 @@ from shoecal_core.screening.unresponsive import (
     stuck,
     stuck_channels,
 )
+from shoecal_core.screening.clocks.jumps import describe_clock_jump
+from shoecal_core.screening.clocks.smoothed import describe_smoothed
+from shoecal_core.screening.clocks.time_offsets import describe_clock_rate, describe_time_offset
+from shoecal_core.screening.clocks.timing import Timing
+from shoecal_core.screening.faults import Fault
+from shoecal_core.screening.joints.angle_steps import describe_steps, without_motion
+from shoecal_core.screening.joints.dropouts import describe_dropouts
+from shoecal_core.screening.joints.legs import Legs
+from shoecal_core.screening.joints.loose_encoders import describe_loose_encoder
+from shoecal_core.screening.loads.disturbed import FAST_MOTIONS
+from shoecal_core.screening.pose.carrying import describe_moving_feet
+from shoecal_core.screening.pose.imu import describe_imu, wrong_imu
+from shoecal_core.screening.pose.soles import describe_soles
+from shoecal_core.screening.result import LeftOut, Screening, describe_left_out
+from shoecal_core.screening.rough_fit import Statics
+from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.six_axis.units import describe_units, other_units, units_of_walks
+from shoecal_core.screening.standing import screen_standing
+from shoecal_core.screening.twins import describe_twins, find_twins
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import Shoe
 

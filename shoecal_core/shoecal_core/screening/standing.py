@@ -11,35 +11,39 @@ from shoecal_core.arrays import BoolArray
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.lifting import TRANSIT_S, LiftedFoot
 from shoecal_core.samples.stretches import widened
-from shoecal_core.screening.bending import Bending, bending, describe_bending
 from shoecal_core.screening.blocks import blocks
-from shoecal_core.screening.changed_gains import changed_gains, describe_changed_gains
-from shoecal_core.screening.closure import describe_slips
-from shoecal_core.screening.drifting import describe_drift, drifting
-from shoecal_core.screening.events import Watch, first_slips, leave_out_marked, leave_out_run
-from shoecal_core.screening.hanging import both_hang, without
-from shoecal_core.screening.hum import describe_hum, find_hum
-from shoecal_core.screening.leaking import describe_leaking, leaking
-from shoecal_core.screening.planes import changed_plane, describe_changed_plane
-from shoecal_core.screening.pulled import describe_pulls, describe_wavering, pulls, wavering
-from shoecal_core.screening.result import Screening
-from shoecal_core.screening.rough_fit import Statics, reweighed, solve
-from shoecal_core.screening.saturated import (
+from shoecal_core.screening.cells.bending import Bending, bending, describe_bending
+from shoecal_core.screening.cells.changed_gains import changed_gains, describe_changed_gains
+from shoecal_core.screening.cells.drifting import describe_drift, drifting
+from shoecal_core.screening.cells.hum import describe_hum, find_hum
+from shoecal_core.screening.cells.leaking import describe_leaking, leaking
+from shoecal_core.screening.cells.planes import changed_plane, describe_changed_plane
+from shoecal_core.screening.cells.saturated import (
     Saturated,
     describe_saturated,
     flat,
     saturated,
     within_range,
 )
+from shoecal_core.screening.cells.wandering import describe_wandering, wandering
+from shoecal_core.screening.cells.wiring import check_wiring, describe_wiring
+from shoecal_core.screening.cells.zeros import describe_zeros, moved_zeros
+from shoecal_core.screening.events import Watch, first_slips, leave_out_marked, leave_out_run
+from shoecal_core.screening.loads.hanging import both_hang, without
+from shoecal_core.screening.loads.pulled import describe_pulls, describe_wavering, pulls, wavering
+from shoecal_core.screening.loads.unexplained import describe_unexplained, unexplained
+from shoecal_core.screening.loads.weights import describe_weights, wrong_weights
+from shoecal_core.screening.pose.closure import describe_slips
+from shoecal_core.screening.result import Screening
+from shoecal_core.screening.rough_fit import Statics, reweighed, solve
 from shoecal_core.screening.settings import CalibrationSettings
-from shoecal_core.screening.sideways import describe_sideways, sideways_fault, sideways_pulls
-from shoecal_core.screening.turned_frames import describe_turned_frames, turned_frames
-from shoecal_core.screening.unexplained import describe_unexplained, unexplained
+from shoecal_core.screening.six_axis.sideways import (
+    describe_sideways,
+    sideways_fault,
+    sideways_pulls,
+)
+from shoecal_core.screening.six_axis.turned_frames import describe_turned_frames, turned_frames
 from shoecal_core.screening.verdict import Finding
-from shoecal_core.screening.wandering import describe_wandering, wandering
-from shoecal_core.screening.weights import describe_weights, wrong_weights
-from shoecal_core.screening.wiring import check_wiring, describe_wiring
-from shoecal_core.screening.zeros import describe_zeros, moved_zeros
 from shoecal_core.shoe.shoe import Shoe
 
 SPOILS_SHARE = 0.2

@@ -12,17 +12,23 @@ import numpy as np
 
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import ShoecalError
-from shoecal_core.estimation.accuracy import (
+from shoecal_core.estimation.axes import check_axes
+from shoecal_core.estimation.calibration import Calibration
+from shoecal_core.estimation.checks.accuracy import (
     ModelLimit,
     check_accuracy,
     check_promise,
     misfit,
     model_limit,
 )
-from shoecal_core.estimation.assessment import Assessment, assess
-from shoecal_core.estimation.axes import check_axes
-from shoecal_core.estimation.calibration import Calibration
-from shoecal_core.estimation.checks import (
+from shoecal_core.estimation.checks.data_sheets import (
+    check_conflict,
+    check_data_sheets,
+    check_weight,
+    contradicts,
+)
+from shoecal_core.estimation.checks.doubtful_files import check_files
+from shoecal_core.estimation.checks.usable import (
     check_changed,
     check_directions,
     check_expected,
@@ -33,13 +39,6 @@ from shoecal_core.estimation.checks import (
     check_soles,
     check_zeros,
 )
-from shoecal_core.estimation.data_sheets import (
-    check_conflict,
-    check_data_sheets,
-    check_weight,
-    contradicts,
-)
-from shoecal_core.estimation.doubtful_files import check_files
 from shoecal_core.estimation.fit import SelfCalibration, prior_of, self_calibrate
 from shoecal_core.estimation.initial_guess import initial_guess
 from shoecal_core.estimation.joint import corrected, fit_with_known, joint_calibration, of_joint
@@ -52,6 +51,7 @@ from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.estimation.residuals import ResidualWeights
 from shoecal_core.estimation.series import Errors, Series, errors, measured_series, modelled_series
 from shoecal_core.estimation.session_data import SessionData, load_data
+from shoecal_core.estimation.uncertainty.assessment import Assessment, assess
 from shoecal_core.estimation.walking_fit import (
     at_common_zeros,
     check_stances,
@@ -66,7 +66,7 @@ from shoecal_core.recording.train_test import split_runs
 from shoecal_core.robot.double_support import count_distinct
 from shoecal_core.samples.stance import Stance
 from shoecal_core.samples.zeros import with_own_zeros
-from shoecal_core.screening.clocks import LEFT_STD_S, describe_time_offset
+from shoecal_core.screening.clocks.time_offsets import LEFT_STD_S, describe_time_offset
 from shoecal_core.screening.result import Screening
 from shoecal_core.screening.settings import PAPER, CalibrationSettings
 from shoecal_core.screening.verdict import Finding, Verdict, judge

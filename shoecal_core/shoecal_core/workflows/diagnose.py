@@ -165,7 +165,7 @@ def do(job: DiagnosisRequest, progress: Progress = no_progress) -> Diagnosed:
     found = replace(found, notes=(*found.notes, *_checked(data)))
     if job.report is not None:
         # Matplotlib takes a second to load, which most calls need not wait for.
-        from shoecal_core.report.diagnosis_report import write_diagnosis_report  # noqa: PLC0415
+        from shoecal_core.report.diagnosis.report import write_diagnosis_report  # noqa: PLC0415
 
         provenance = (
             origin(session, (*found.train, *found.test)),

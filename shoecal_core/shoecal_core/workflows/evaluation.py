@@ -9,16 +9,16 @@ from pathlib import Path
 
 import numpy as np
 
-from shoecal_core.estimation.accuracy import ModelLimit, check_accuracy, model_limit
 from shoecal_core.estimation.calibration import (
     Calibration,
     CalibrationFileError,
     WrongShoeError,
     load_calibration,
 )
-from shoecal_core.estimation.checks import check_zeros
+from shoecal_core.estimation.checks.accuracy import ModelLimit, check_accuracy, model_limit
+from shoecal_core.estimation.checks.data_sheets import check_weight
+from shoecal_core.estimation.checks.usable import check_zeros
 from shoecal_core.estimation.comparison import read_truths
-from shoecal_core.estimation.data_sheets import check_weight
 from shoecal_core.estimation.run_errors import ComparedRun, errors_by_set
 from shoecal_core.estimation.series import Series, measured_series, modelled_series, truth_series
 from shoecal_core.estimation.session_data import SessionData, load_data

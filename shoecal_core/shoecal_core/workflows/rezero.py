@@ -22,8 +22,8 @@ import numpy as np
 from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.calibration import Calibration
-from shoecal_core.estimation.drift import Drift, drift_of, shares_model
-from shoecal_core.estimation.standstill import (
+from shoecal_core.estimation.checks.drift import Drift, drift_of, shares_model
+from shoecal_core.estimation.checks.standstill import (
     ModelTolerance,
     StandstillResiduals,
     compare,

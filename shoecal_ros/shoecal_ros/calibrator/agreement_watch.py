@@ -8,8 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from shoecal_core.arrays import FloatArray
-from shoecal_core.estimation.agreement import Agreement, Compared, Judgement, judge
 from shoecal_core.estimation.calibration import Calibration
+from shoecal_core.estimation.checks.agreement import Agreement, Compared, Judgement, judge
 from shoecal_core.robot.kinematics import BodyStates
 from shoecal_ros.calibrator.calibrator_base import CalibratorBase
 from shoecal_ros.calibrator.live import Doubts

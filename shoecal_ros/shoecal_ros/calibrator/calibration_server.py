@@ -13,12 +13,12 @@ from shoecal_msgs.srv import Apply, GetCalibration, SetCalibration
 from std_srvs.srv import Trigger
 
 from shoecal_core.errors import FileError, FileMissingError, ShoecalError
-from shoecal_core.estimation.agreement import Judgement
 from shoecal_core.estimation.calibration import (
     Calibration,
     WrongShoeError,
     load_calibration,
 )
+from shoecal_core.estimation.checks.agreement import Judgement
 from shoecal_core.screening.verdict import list_reasons
 from shoecal_ros.calibrator.active_calibration import UNCALIBRATED, ActiveCalibration
 from shoecal_ros.calibrator.agreement_watch import SEE, AgreementWatch

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from shoecal_core.errors import FileError, ShoecalError, error_code
 from shoecal_core.estimation.calibration import Calibration, load_calibration, save_calibration
-from shoecal_core.estimation.plausible import check_plausible
+from shoecal_core.estimation.checks.plausible import check_plausible
 from shoecal_core.files import make_folder, read_error, sha256, sync_folder, system_error
 from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.robot.robot import Robot

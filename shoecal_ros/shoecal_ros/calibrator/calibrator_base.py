@@ -14,9 +14,9 @@ from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import FieldError
 from shoecal_core.estimation.calibration import Calibration, WrongShoeError, load_calibration
-from shoecal_core.estimation.drift import FALSE_ALARM
+from shoecal_core.estimation.checks.drift import FALSE_ALARM
+from shoecal_core.estimation.checks.standstill import ModelTolerance
 from shoecal_core.estimation.known import require_prior_counts
-from shoecal_core.estimation.standstill import ModelTolerance
 from shoecal_core.parameter_file import load_settings
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.recording import schemas

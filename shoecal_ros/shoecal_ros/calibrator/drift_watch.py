@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from shoecal_core.estimation.calibration import Calibration
-from shoecal_core.estimation.drift import Drift, UnloadedError, check_drift
+from shoecal_core.estimation.checks.drift import Drift, UnloadedError, check_drift
 from shoecal_ros.calibrator.calibration_store import CalibrationStore
 from shoecal_ros.calibrator.calibrator_base import CalibratorBase
 from shoecal_ros.calibrator.rezeroing import RezeroServer

@@ -19,7 +19,7 @@ from shoecal_msgs.msg import FootForce, ShoeForces
 from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.estimation.calibration import Calibration
-from shoecal_core.estimation.stated_error import (
+from shoecal_core.estimation.uncertainty.stated_error import (
     StatedError,
     StatedSample,
     StatedWrench,

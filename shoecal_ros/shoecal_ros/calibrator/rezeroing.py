@@ -9,8 +9,8 @@ from shoecal_msgs.srv import Rezero
 
 from shoecal_core.errors import FileError, ShoecalError
 from shoecal_core.estimation.calibration import Calibration
-from shoecal_core.estimation.expected import Spread, over_polygons
-from shoecal_core.estimation.stated_error import StatedError
+from shoecal_core.estimation.uncertainty.expected import Spread, over_polygons
+from shoecal_core.estimation.uncertainty.stated_error import StatedError
 from shoecal_core.workflows.rezero import Rezeroed, rezero
 from shoecal_ros.calibrator.calibration_server import CalibrationServer
 from shoecal_ros.calibrator.calibrator_base import CalibratorBase

@@ -18,8 +18,8 @@ from shoecal_core.estimation.series import Errors, errors
 from shoecal_core.files import atomic_write, read_bytes
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.truth import Truth, read_truth
-from shoecal_core.report.calibration_report import calibration_report
-from shoecal_core.report.session_report import session_content
+from shoecal_core.report.calibration.report import calibration_report
+from shoecal_core.report.calibration.session_report import session_content
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.workflows.calibrate import calibrate_session
 from shoecal_ros.demonstration.options import Folder, Options

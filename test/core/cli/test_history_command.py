@@ -12,7 +12,7 @@ import pytest
 from core.cli.conftest import ROBOT, Run
 from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.estimation.calibration import load_calibration, save_calibration
-from shoecal_core.recording.foreign import joint_states, voltages
+from shoecal_core.recording.imports.foreign import joint_states, voltages
 from shoecal_core.recording.schemas import GOOD
 from shoecal_core.recording.session import Session
 from shoecal_core.shoe.wrench import ChannelParameters

@@ -9,7 +9,7 @@ import numpy as np
 from core.estimation import synthetic
 from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.calibration import Calibration
-from shoecal_core.estimation.standstill import ModelTolerance
+from shoecal_core.estimation.checks.standstill import ModelTolerance
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.kinematics import BodyStates
 from shoecal_core.shoe.correction import CopCorrection

@@ -15,8 +15,8 @@ from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.files import read_yaml, write_yaml
 from shoecal_core.recording import schemas
-from shoecal_core.recording.bag_draft import BagDraft, draft_mapping, mapping_text
-from shoecal_core.recording.bag_import import import_bags
+from shoecal_core.recording.imports.bag_draft import BagDraft, draft_mapping, mapping_text
+from shoecal_core.recording.imports.bag_import import import_bags
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot_file import load_robot

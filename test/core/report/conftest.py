@@ -8,8 +8,8 @@ from core.report.sessions import swaying_session
 from core.shoe import shoes
 from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.recording.session import Session
-from shoecal_core.report.calibration_content import CalibrationReport
-from shoecal_core.report.calibration_report import calibration_page
+from shoecal_core.report.calibration.content import CalibrationReport
+from shoecal_core.report.calibration.report import calibration_page
 from shoecal_core.report.html import render
 from shoecal_core.workflows.calibrate import calibrate_session
 

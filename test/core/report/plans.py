@@ -8,7 +8,7 @@ from functools import cache
 from core.planning.bodies import NAMES
 from core.planning.motions import SETTINGS, SUPPORTS, planner_of
 from shoecal_core.planning.checking.check import check_motion
-from shoecal_core.report.plan_content import PlannedMotion
+from shoecal_core.report.plan.content import PlannedMotion
 
 SECOND = next(name for name in NAMES if name != "nao")
 """Another robot: twelve leg joints, none of which share a motor."""

@@ -12,16 +12,16 @@ from core.robot import robots
 from core.shoe import shoes
 from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.tolerances import Tolerances
-from shoecal_core.estimation.assessment import Assessment
 from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.estimation.comparison import StanceComparison
-from shoecal_core.estimation.expected import ErrorModel, support_covariance
 from shoecal_core.estimation.fit import SelfCalibration, self_calibrate
 from shoecal_core.estimation.series import Series, measured_series, modelled_series
+from shoecal_core.estimation.uncertainty.assessment import Assessment
+from shoecal_core.estimation.uncertainty.expected import ErrorModel, support_covariance
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.identifiability import identifiability
 from shoecal_core.planning.supports.observability import relative_information
-from shoecal_core.report.calibration_content import CalibrationReport, RunReport
+from shoecal_core.report.calibration.content import CalibrationReport, RunReport
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
 from shoecal_core.samples.stance import Stance

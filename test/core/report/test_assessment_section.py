@@ -8,21 +8,21 @@ import numpy as np
 import pytest
 
 from core.report import samples
-from shoecal_core.estimation.assessment import NORMAL_95, Assessment
 from shoecal_core.estimation.outcome import CalibrationOutcome
+from shoecal_core.estimation.uncertainty.assessment import NORMAL_95, Assessment
 from shoecal_core.recording.session import Session
-from shoecal_core.report.assessment import (
+from shoecal_core.report.calibration.assessment import (
     assessment_section,
     expected_keys,
     possible,
     source_pictures,
 )
-from shoecal_core.report.assessment_tables import carried, cure, rms, source_name
-from shoecal_core.report.calibration_content import CalibrationReport
-from shoecal_core.report.calibration_tables import channels_table
+from shoecal_core.report.calibration.assessment_tables import carried, cure, rms, source_name
+from shoecal_core.report.calibration.content import CalibrationReport
+from shoecal_core.report.calibration.session_report import session_content
+from shoecal_core.report.calibration.tables import channels_table
 from shoecal_core.report.page import Group, Section
 from shoecal_core.report.quantities import size
-from shoecal_core.report.session_report import session_content
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.result import LeftOut, Screening
 from shoecal_core.screening.verdict import Finding

@@ -13,12 +13,12 @@ from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError
 from shoecal_core.estimation.series import Mae, Series
 from shoecal_core.report import palette
-from shoecal_core.report.calibration_figures import (
+from shoecal_core.report.calibration.figures import (
     accuracy_pictures,
     foot_picture,
     run_pictures,
 )
-from shoecal_core.report.calibration_tables import channels_table
+from shoecal_core.report.calibration.tables import channels_table
 from shoecal_core.report.figures.bars import Bar, mae_bars
 from shoecal_core.report.figures.feet import CopPath, FootShape, cop_plane, cop_under_feet
 from shoecal_core.report.figures.loads import (

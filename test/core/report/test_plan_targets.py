@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from core.report import plans
-from shoecal_core.report.plan_content import Target, marks_of
+from shoecal_core.report.plan.content import Target, marks_of
 
 RADIUS = 0.004
 

@@ -21,10 +21,10 @@ from core.screening.recordings import (
 from shoecal_core.arrays import FloatArray
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.schemas import NO_DATA, SATURATED
+from shoecal_core.screening.cells.wiring import WiringFaults, describe_wiring, mirrored, of_feet
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.result import Screening
 from shoecal_core.screening.screen import screen
-from shoecal_core.screening.wiring import WiringFaults, describe_wiring, mirrored, of_feet
 
 Spoil = Callable[[Recording, np.random.Generator], Recording]
 

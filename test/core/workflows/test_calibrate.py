@@ -12,10 +12,10 @@ from core.estimation import synthetic
 from core.robot import robots
 from core.shoe import shoes
 from shoecal_core.error_sources.tolerances import Tolerances
-from shoecal_core.estimation.assessment import assess
 from shoecal_core.estimation.fit import self_calibrate
 from shoecal_core.estimation.series import errors, measured_series, modelled_series
 from shoecal_core.estimation.session_data import SessionData
+from shoecal_core.estimation.uncertainty.assessment import assess
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.kinematics import Kinematics

@@ -16,11 +16,11 @@ from shoecal_core.estimation.calibration import load_calibration, save_calibrati
 from shoecal_core.estimation.fit import self_calibrate
 from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.estimation.session_data import load_data
-from shoecal_core.estimation.stated_error import StatedError, turns_to
+from shoecal_core.estimation.uncertainty.stated_error import StatedError, turns_to
 from shoecal_core.recording.session import Session
-from shoecal_core.report.assessment_tables import source_name
-from shoecal_core.report.calibration_report import calibration_report
-from shoecal_core.report.session_report import session_content
+from shoecal_core.report.calibration.assessment_tables import source_name
+from shoecal_core.report.calibration.report import calibration_report
+from shoecal_core.report.calibration.session_report import session_content
 from shoecal_core.samples.stance import Stance
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.workflows.calibrate import calibrate_session

@@ -24,7 +24,7 @@ from core.shoe import shoes
 from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShapeError
 from shoecal_core.estimation.calibration import Calibration
-from shoecal_core.estimation.standstill import compare
+from shoecal_core.estimation.checks.standstill import compare
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_core.shoe.wrench import ChannelParameters, foot_wrenches

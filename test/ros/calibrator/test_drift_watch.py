@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ros.instants import batch, joined
-from shoecal_core.estimation.drift import Drift
+from shoecal_core.estimation.checks.drift import Drift
 from shoecal_ros.calibrator.drift_watch import CONFIRM, LEAST_READINGS, DriftWatch
 from shoecal_ros.common.health import Health, Level
 

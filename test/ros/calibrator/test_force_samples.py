@@ -11,7 +11,7 @@ import pytest
 from ros.bodies import ROOT, calibration, nao, nao_shoe
 from shoecal_core.arrays import FloatArray
 from shoecal_core.error_sources.tolerances import Tolerances
-from shoecal_core.estimation.expected import ErrorModel
+from shoecal_core.estimation.uncertainty.expected import ErrorModel
 from shoecal_core.planning.posture import stance
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.kinematics import BodyStates, Kinematics

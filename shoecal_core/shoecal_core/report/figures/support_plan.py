@@ -22,7 +22,7 @@ from shoecal_core.report.figures.feet import (
     polygon_key,
 )
 from shoecal_core.report.palette import CARD, FAIL, INK, MODEL, MUTED, SOLE, STEPS, Look
-from shoecal_core.report.plan_content import BOTH, PlannedMotion, Stand
+from shoecal_core.report.plan.content import BOTH, PlannedMotion, Stand
 from shoecal_core.report.svg import (
     SMALL,
     TEXT,

@@ -1,0 +1,1 @@
+"""Pages on calibrations, from recordings and with known weights."""

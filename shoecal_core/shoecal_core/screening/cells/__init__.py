@@ -1,0 +1,1 @@
+"""Faults of cells, their cables and converters."""

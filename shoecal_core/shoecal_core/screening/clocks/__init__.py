@@ -1,0 +1,1 @@
+"""How the times of readings and joint angles go together."""

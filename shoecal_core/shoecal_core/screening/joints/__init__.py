@@ -1,0 +1,1 @@
+"""Faults of joint angles: steps, held values, zeros that move."""

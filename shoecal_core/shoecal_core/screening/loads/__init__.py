@@ -1,0 +1,1 @@
+"""What acts on the robot from outside: ropes, hands, loads, the floor that is gone."""

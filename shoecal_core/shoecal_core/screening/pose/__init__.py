@@ -1,0 +1,1 @@
+"""Where the feet stand and how the base leans, by joints, base pose and IMU together."""

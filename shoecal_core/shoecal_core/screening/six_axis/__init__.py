@@ -1,0 +1,1 @@
+"""Faults of six-axis sensors: units, frames, axes."""
