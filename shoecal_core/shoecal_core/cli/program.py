@@ -43,7 +43,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 2
     args = command_line([word for word in words if word in COMMANDS][:1]).parse_args(words)
     # Results go to stdout, progress and errors to stderr: a pipe gets figures only.
-    errors = Console(stderr=True, highlight=False)
+    errors = Console(stderr=True, highlight=False, emoji=False)
     try:
         try:
             with nullcontext() if _has_steps(args) else still_working(args.name):

@@ -24,7 +24,7 @@ def shown_progress() -> Iterator[Progress]:
 
     Where standard error is no terminal, each new step is one line.
     """
-    console = Console(stderr=True, highlight=False)
+    console = Console(stderr=True, highlight=False, emoji=False)
     if not console.is_terminal:
         yield _lines(console)
         return
@@ -47,7 +47,8 @@ def still_working(name: str, every: float = QUIET_S) -> Iterator[None]:
         name: of the command.
         every: between two lines [s].
     """
-    console, done, begin = Console(stderr=True, highlight=False), Event(), time.monotonic()
+    console = Console(stderr=True, highlight=False, emoji=False)
+    done, begin = Event(), time.monotonic()
 
     def report() -> None:
         while not done.wait(every):

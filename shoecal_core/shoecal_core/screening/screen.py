@@ -39,6 +39,7 @@ from shoecal_core.screening.cells.unresponsive import (
     stuck,
     stuck_channels,
 )
+from shoecal_core.screening.cells.zero_jumps import describe_zero_jumps, zero_jumps
 from shoecal_core.screening.clocks.jumps import describe_clock_jump
 from shoecal_core.screening.clocks.smoothed import describe_smoothed
 from shoecal_core.screening.clocks.time_offsets import describe_clock_rate, describe_time_offset
@@ -83,8 +84,13 @@ def screen(
         legs: what is wrong with their angles.
     """
     runs, aligned = dict(sorted(runs.items())), dict(sorted(aligned.items()))
+    double = {
+        number: one for number, one in aligned.items() if runs[number].info.support is not None
+    }
+    jumps = zero_jumps(shoe, {number: runs[number] for number in double})
+    known = timing.explained or jumps  # what the CoP says of the clocks is that fault's
     found = Screening(
-        findings=() if timing.explained else tuple(describe_time_offset(timing.late)),
+        findings=() if known else tuple(describe_time_offset(timing.late)),
         time_offset=timing.late,
         samples={number: len(run.readings.time) for number, run in runs.items()},
         left_out=_lost(runs, aligned, shoe),
@@ -97,13 +103,11 @@ def screen(
     found = found.adding(describe_dead_bands(shoe, dead_bands(runs)))
     # A held angle, off by more than anything else, looks like a zero that moves, and that like a
     # lifted foot.
+    found = found.adding(describe_zero_jumps(jumps))
     held = describe_dropouts(legs.dropouts)
     found = found.adding(held or describe_loose_encoder(legs.loose))
     if found.fails:
         return found
-    double = {
-        number: one for number, one in aligned.items() if runs[number].info.support is not None
-    }
     parts = {number: blocks(within_range(shoe, one), shoe) for number, one in aligned.items()}
     if not legs.soles:  # else what the legs say of the CoP is wrong
         # Exchanged feet look like stuck cells, other weights and other gains.
