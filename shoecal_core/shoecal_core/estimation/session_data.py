@@ -33,6 +33,7 @@ from shoecal_core.screening.clocks.timing import timing_of
 from shoecal_core.screening.extract import stances_of, zeros_of
 from shoecal_core.screening.joints.legs import Legs, examine_legs
 from shoecal_core.screening.joints.unmoved import describe_unmoved, unmoved_joint
+from shoecal_core.screening.loads.hanging import hung_runs, leave_out_hung, without
 from shoecal_core.screening.result import Screening
 from shoecal_core.screening.screen import screen
 from shoecal_core.screening.settings import CalibrationSettings
@@ -187,7 +188,11 @@ def load_data(
     aligned, screening = recorded, Screening()
     legs = Legs()
     if settings is not None:
-        timing = timing_of(read, recorded, shoe, robot.weight, settings)
+        # Before anything else is asked of them: nothing of what they read follows the motion.
+        standing = {n: recorded[n] for n, run in loaded.items() if run.info.support is not None}
+        hung = hung_runs(standing, shoe)
+        loaded = {number: run for number, run in loaded.items() if number not in hung}
+        timing = timing_of(loaded, recorded, shoe, robot.weight, settings)
         if timing.late != 0.0:
             aligned = {}
             for number, run in read.items():
@@ -198,6 +203,7 @@ def load_data(
         legs = examine_legs(loaded, there, shoe, kinematics, settings)
         screening = screen(loaded, there, shoe, robot.weight, settings, timing, legs)
         screening = _with_unmoved(screening, loaded, there, shoe, kinematics, settings)
+        screening = leave_out_hung(screening, hung, aligned)
     stances: dict[int, tuple[Stance, ...]] = dict.fromkeys(read, ())
     zeros: list[Zero] = []
     for number, run in read.items():
@@ -218,7 +224,11 @@ def load_data(
         screening=screening,
         zeros=tuple(zeros),
         hanging=frozenset(number for number, run in read.items() if run.info.hanging),
-        weighed=weigh(shoe, {number: aligned[number].readings for number in loaded}, zeros),
+        weighed=weigh(
+            shoe,
+            {n: without(aligned[n], screening.hanging.get(n)).readings for n in loaded},
+            zeros,
+        ),
         problems=problems or {},
     )
 

@@ -220,10 +220,12 @@ def leave_out_marked(
     )
 
 
-def leave_out_run(found: Screening, run: int, aligned: Aligned) -> Screening:
-    """Leave out a run under another weight."""
+def leave_out_run(
+    found: Screening, run: int, aligned: Aligned, fault: Fault = Fault.WRONG_WEIGHT
+) -> Screening:
+    """Leave out a whole run."""
     everything = np.ones(len(aligned.time), dtype=bool)
-    lost = _lost(found, run, Fault.WRONG_WEIGHT, everything, aligned.time)
+    lost = _lost(found, run, fault, everything, aligned.time)
     return replace(
         found,
         left_out=(*found.left_out, lost),

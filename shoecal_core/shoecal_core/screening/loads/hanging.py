@@ -1,4 +1,4 @@
-"""A robot that is lifted for a while within a run: both feet hang, and read their zeros.
+"""A robot that hangs, though it should stand: for a while within a run, or all along one.
 
 Looked for before what else readings show, since channels that rest at their zeros look saturated.
 """
@@ -6,17 +6,22 @@ Looked for before what else readings show, since channels that rest at their zer
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
-from shoecal_core.arrays import BoolArray
+from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.contact import moves
 from shoecal_core.samples.lifting import TRANSIT_S
 from shoecal_core.samples.stretches import lasting, unchanged, widened
 from shoecal_core.screening.blocks import blocks
+from shoecal_core.screening.events import leave_out_run
+from shoecal_core.screening.faults import Fault
+from shoecal_core.screening.result import Screening
 from shoecal_core.screening.rough_fit import Statics
 from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.verdict import Finding, name_runs
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.vertical import at_least_load, both_carry_load
 from shoecal_core.shoe.wrench import foot_wrenches
@@ -29,6 +34,64 @@ SETTLE_S = 0.15
 """Cut from both ends of that time: there the feet are just leaving or landing."""
 LEAST_STANDING = 0.2
 """Of a run, that has to be left for it to be one in double support."""
+STILL = 0.05
+"""Of what a channel goes through in most runs, the most that it does in one all along which the
+robot hangs."""
+MOVES = 0.3
+"""Of what the CoM goes through in most runs, the least that it does in such a run: it would not
+stand still on its feet."""
+
+
+def hung_runs(aligned: Mapping[int, Aligned], shoe: Shoe) -> dict[int, float]:
+    """Runs in which no channel's readings change though the robot moves, if there are others.
+
+    Args:
+        aligned: runs in double support, by number.
+
+    Returns:
+        By run, what its CoM goes through [m].
+    """
+    if len(aligned) < 2:
+        return {}
+    through = {
+        run: _through(blocks(one, shoe).readings[:, shoe.vertical]) for run, one in aligned.items()
+    }
+    path = {
+        run: float(np.hypot(*_through(one.states.com[:, 0, :2]))) for run, one in aligned.items()
+    }
+    usual = np.median(list(through.values()), axis=0)
+    moved = float(np.median(list(path.values())))
+    return {
+        run: path[run]
+        for run, one in through.items()
+        if (one < STILL * usual).all() and path[run] > MOVES * moved
+    }
+
+
+def _through(values: FloatArray) -> FloatArray:
+    """(k,) ranges of values (T, k), without a twentieth at either end."""
+    low, high = np.percentile(values, [5.0, 95.0], axis=0)
+    return np.asarray(high - low)
+
+
+def leave_out_hung(
+    found: Screening, hung: Mapping[int, float], aligned: Mapping[int, Aligned]
+) -> Screening:
+    """What was found in the other runs, and that these hang."""
+    if not hung:
+        return found
+    found = replace(
+        found, samples={**found.samples, **{run: len(aligned[run].time) for run in hung}}
+    )
+    for run in hung:
+        found = leave_out_run(found, run, aligned[run], Fault.HANGING)
+    path = ", ".join(f"{1e3 * one:.0f} mm" for one in hung.values())
+    text = (
+        f"{name_runs(tuple(hung))}: no reading of either foot changes while the joints move the "
+        f"CoM by {path}: the robot hung, or both feet's cables were off; left out. If it hung, say "
+        "so (`motion: hanging` in a mapping), and its zeros are used"
+    )
+    return found.adding([Finding("WARN", text, Fault.HANGING)])
 
 
 def both_hang(

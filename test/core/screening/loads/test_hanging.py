@@ -14,6 +14,7 @@ from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.screening.extract import stances_of, zeros_of
 from shoecal_core.screening.faults import Fault
+from shoecal_core.screening.loads.hanging import hung_runs, leave_out_hung
 from shoecal_core.screening.screen import screen
 from shoecal_core.shoe.wrench import weight_below
 from shoecal_core.workspace import config_dir
@@ -81,3 +82,39 @@ def test_a_robot_that_is_held_a_little_does_not_hang() -> None:
     found = screen(whole.runs, whole.aligned, whole.shoe, WEIGHT, SETTINGS)
     assert found.hanging == {}
     assert any(one.fault is Fault.PULLED for one in found.left_out)
+
+
+def all_along(whole: Recording) -> Recording:
+    """The second run, in which the robot hangs all the time."""
+    one = whole.aligned[RUN]
+    noise = 0.01 * np.random.default_rng(6).standard_normal(one.readings.shape)
+    zero = (noise - whole.parameters.offset) / whole.parameters.gain
+    return whole.with_run(RUN, readings=zero)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_run_in_which_it_hangs_all_along_is_left_out(seed: int) -> None:
+    whole = all_along(recording(seed))
+    hung_all = hung_runs(whole.aligned, whole.shoe)
+    assert list(hung_all) == [RUN]
+    rest = {run: one for run, one in whole.aligned.items() if run != RUN}
+    runs = {run: one for run, one in whole.runs.items() if run != RUN}
+    found = screen(runs, rest, whole.shoe, WEIGHT, SETTINGS)
+    found = leave_out_hung(found, hung_all, whole.aligned)
+    (finding,) = found.findings
+    assert (finding.verdict, finding.fault) == ("WARN", Fault.HANGING)
+    assert finding.reason.startswith("run 2: no reading of either foot changes while the joints")
+    assert not found.kept[RUN].any()
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_where_it_stands_on_its_feet_no_run_is_hung(seed: int) -> None:
+    whole = recording(seed)
+    assert hung_runs(whole.aligned, whole.shoe) == {}
+    # One that stands still shows nothing, and says nothing.
+    one = all_along(whole).aligned[RUN]
+    still = replace(one.states, com=np.repeat(one.states.com[:1], len(one.time), axis=0))
+    assert (
+        hung_runs(whole.with_run(RUN, readings=one.readings, states=still).aligned, whole.shoe)
+        == {}
+    )
