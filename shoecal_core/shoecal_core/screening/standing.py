@@ -27,7 +27,12 @@ from shoecal_core.screening.cells.saturated import (
 )
 from shoecal_core.screening.cells.wandering import describe_wandering, wandering
 from shoecal_core.screening.cells.wiring import check_wiring, describe_wiring
-from shoecal_core.screening.cells.zeros import describe_zeros, moved_zeros
+from shoecal_core.screening.cells.zeros import (
+    all_start_at_zero,
+    describe_starts,
+    describe_zeros,
+    moved_zeros,
+)
 from shoecal_core.screening.events import Watch, first_slips, leave_out_marked, leave_out_run
 from shoecal_core.screening.loads.hanging import both_hang, without
 from shoecal_core.screening.loads.pulled import describe_pulls, describe_wavering, pulls, wavering
@@ -165,6 +170,8 @@ def _varying(statics: Statics, watched: Collection[int], bent: Bending | None) -
 def _minor(statics: Statics, watched: Collection[int], bent: Bending | None) -> list[Finding]:
     """What a calibration copes with; left to the last, as all else is likelier."""
     known = describe_hum(find_hum(statics, watched)) + describe_bending(statics.shoe, bent)
+    if all_start_at_zero(statics.parts):
+        known += describe_starts(statics.shoe)
     known = known or describe_changed_plane(changed_plane(statics))
     return known or describe_unexplained(unexplained(statics))
 
@@ -182,6 +189,8 @@ def _electrical(statics: Statics, height: float, starts: Mapping[int, float]) ->
     moved = moved_zeros(statics, height)
     if moved is not None:
         return describe_zeros(shoe, moved, statics.weight)
+    if shoe.torque.any() and all_start_at_zero(statics.parts):
+        return describe_starts(shoe)
     drift, wanders = drifting(statics, starts), wandering(statics)
     # One cell that wanders makes zeros drift, at its foot alone.
     if drift is not None and (wanders is None or drift.readings or drift.feet[1:]):

@@ -219,6 +219,33 @@ def with_own(runs: Statics, free: Sequence[int]) -> tuple[dict[int, Equations], 
     return own, np.concatenate((runs.information, np.tile(usual**-2.0, count)))
 
 
+def all_start_at_zero(runs: Mapping[int, Blocks]) -> bool:
+    """Whether each run in double support, of several, starts with all readings at zero."""
+    return len(runs) > 1 and all(bool((off <= AT_ZERO).all()) for off in starts(runs).values())
+
+
+def describe_starts(shoe: Shoe) -> list[Finding]:
+    """Channels that were zeroed before each run, all of them alike, while the robot stood.
+
+    Motion shows the zeros of single cells. Those of six-axis sensors count as known to what their
+    data sheets say, and what each foot carried would be taken for the other one's.
+    """
+    before = (
+        "all readings of both feet start at zero in each run, though the robot stands on them: "
+    )
+    if shoe.torque.any():
+        text = (
+            f"{before}the sensors were zeroed (bias) under load, which hides what each foot "
+            "carried; set no bias while the robot stands, and record again"
+        )
+        return [Finding("FAIL", text, Fault.MOVED_ZEROS)]
+    text = (
+        f"{before}the cells were zeroed (tare) under load; what is calibrated holds for these "
+        "zeros alone: zero them with both feet in the air, once, and record again"
+    )
+    return [Finding("WARN", text, Fault.MOVED_ZEROS)]
+
+
 def describe_zeros(shoe: Shoe, found: MovedZeros, weight: float) -> list[Finding]:
     """Channels that were zeroed between the runs."""
     cure = (

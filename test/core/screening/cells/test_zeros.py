@@ -12,9 +12,15 @@ from core.screening.recordings import HEIGHT, WEIGHT, Recording, recording
 from core.screening.test_screen import screened
 from core.shoe import shoes
 from shoecal_core.screening.blocks import block_size
-from shoecal_core.screening.cells.zeros import MovedZeros, describe_zeros, moved_zeros
+from shoecal_core.screening.cells.zeros import (
+    MovedZeros,
+    all_start_at_zero,
+    describe_starts,
+    describe_zeros,
+    moved_zeros,
+)
 from shoecal_core.screening.faults import Fault
-from shoecal_core.shoe.shoe import FEET
+from shoecal_core.shoe.shoe import FEET, load_shoe
 
 
 def found(whole: Recording) -> MovedZeros | None:
@@ -110,6 +116,19 @@ def test_a_tare_once_before_all_runs_does_no_harm() -> None:
     whole = recording(count=3)
     first = whole.aligned[1].readings[0]
     assert found(whole.with_readings(lambda _, values: values - first)) is None
+
+
+@pytest.mark.parametrize(("shoe", "verdict"), [("nao_shoe", "WARN"), ("reemc", "FAIL")])
+def test_a_tare_before_each_run_alike(shoe: str, verdict: str) -> None:
+    """It hides what each foot carried, though no run contradicts another one."""
+    whole = recording(count=3)
+    zeroed = tared(whole, dict.fromkeys(whole.aligned, 0.0))
+    assert all_start_at_zero(zeroed.statics.parts)
+    assert not all_start_at_zero(whole.statics.parts)
+    assert not all_start_at_zero(tared(whole, {1: 0.0, 3: 0.0}).statics.parts)
+    (finding,) = describe_starts(load_shoe(shoes.ROOT / "config/shoes" / f"{shoe}.yaml"))
+    assert finding.verdict == verdict
+    assert "all readings of both feet start at zero in each run" in finding.reason
 
 
 @pytest.mark.parametrize("runs", [(4,), (2, 3)], ids=str)
