@@ -12,9 +12,11 @@ from core.screening.recordings import (
     read_coarsely,
     recording,
 )
+from core.shoe import shoes
 from core.shoe.shoes import made, six_axis
 from shoecal_core.arrays import FloatArray
 from shoecal_core.screening.cells.wiring import WiringFaults, check_wiring, describe_wiring, of_feet
+from shoecal_core.screening.faults import Fault
 
 PAIRS = list(combinations(range(8), 2))
 
@@ -181,3 +183,24 @@ def test_both_feet_turned_alike_are_one_line() -> None:
     moments = tuple(i for i in range(len(shoe.names)) if shoe.torque[i])
     (finding,) = describe_wiring(shoe, WiringFaults(moments, ()))
     assert "left and right foot's sensor" in finding.reason
+
+
+def test_what_fits_no_cables_is_a_force_from_outside() -> None:
+    """A rope takes a part of what one foot carries; two cells seem to be exchanged for it."""
+
+    def roped(_: int, values: FloatArray) -> FloatArray:
+        load = values[:, :4].sum(axis=1)
+        values[:, :4] *= 1.0 - 0.3 * (load > np.median(load))[:, None]
+        return values
+
+    found = wiring(recording(5).with_readings(roped))
+    assert not found.fits
+    (finding,) = describe_wiring(
+        shoes.shoe("nao_shoe"), WiringFaults((1,), ((0, 2),), clear=False, fits=False)
+    )
+    assert finding.fault is Fault.UNEXPLAINED
+    assert "left/front_left and left/rear_left exchanged" in finding.reason
+
+
+def test_two_cells_exchanged_fit_once_they_are_put_right() -> None:
+    assert wiring(exchanged(recording(5), (0, 2))).fits
