@@ -8,7 +8,8 @@ import numpy as np
 
 from shoecal_core.arrays import FloatArray
 from shoecal_core.diagnosis.rows import Rows
-from shoecal_core.diagnosis.scoring import COUNTS, SETTLED, Scored, log_likelihood, most_probable
+from shoecal_core.diagnosis.scoring import SETTLED, Scored
+from shoecal_core.diagnosis.spread import COUNTS, log_likelihood, most_probable
 from shoecal_core.error_sources.posterior import Posterior
 from shoecal_core.error_sources.signals import SIGNALS
 from shoecal_core.error_sources.spectrum import BANDS

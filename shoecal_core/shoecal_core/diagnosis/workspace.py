@@ -13,8 +13,9 @@ from shoecal_core.diagnosis.baseline import coarse_noise, fit_baseline
 from shoecal_core.diagnosis.hypotheses import Catalogue, make_catalogue
 from shoecal_core.diagnosis.prediction import log_predictive, within_tolerance
 from shoecal_core.diagnosis.rows import make_rows, transformed
-from shoecal_core.diagnosis.scoring import WORSE_FORM_LEVELS, Scored, Scorer
+from shoecal_core.diagnosis.scoring import Scored, Scorer
 from shoecal_core.diagnosis.settings import DiagnosisSettings
+from shoecal_core.diagnosis.spread import WORSE_FORM_LEVELS
 from shoecal_core.error_sources.as_built import as_built
 from shoecal_core.error_sources.base import Effect, Place
 from shoecal_core.error_sources.noise import jolts

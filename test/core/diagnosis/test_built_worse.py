@@ -10,8 +10,8 @@ import pytest
 from core.diagnosis.drawn import Urn, coloured
 from shoecal_core.diagnosis.answer import first_confirmed
 from shoecal_core.diagnosis.built_worse import answer_as_built, times_usual
-from shoecal_core.diagnosis.scoring import BODILESS
 from shoecal_core.diagnosis.settings import DiagnosisSettings
+from shoecal_core.diagnosis.spread import BODILESS
 from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.error_sources.signals import GRF
 

@@ -10,7 +10,8 @@ from scipy.stats import multivariate_normal
 from core.diagnosis.drawn import Urn, part
 from core.diagnosis.test_scoring import ROWS, STD, possible, rows
 from shoecal_core.diagnosis.prediction import BUILT_WITHIN, ROUNDS, log_predictive, within_tolerance
-from shoecal_core.diagnosis.scoring import COUNTS, Scorer, log_likelihood, most_probable
+from shoecal_core.diagnosis.scoring import Scorer
+from shoecal_core.diagnosis.spread import COUNTS, log_likelihood, most_probable
 
 SIZE = np.array([0.0, 0.3, -0.4, 0.0])
 

@@ -12,15 +12,8 @@ from scipy.stats import multivariate_normal
 from shoecal_core.arrays import FloatArray
 from shoecal_core.diagnosis.hypotheses import Form, Hypothesis
 from shoecal_core.diagnosis.rows import Rows
-from shoecal_core.diagnosis.scoring import (
-    COUNTS,
-    FREEDOM,
-    LEVEL,
-    LEVEL_FREEDOM,
-    MODEL_LEVELS,
-    Scored,
-    Scorer,
-)
+from shoecal_core.diagnosis.scoring import LEVEL, LEVEL_FREEDOM, Scored, Scorer
+from shoecal_core.diagnosis.spread import COUNTS, FREEDOM, MODEL_LEVELS
 from shoecal_core.error_sources.base import Shape
 from shoecal_core.error_sources.effects.contact import FloorTilt
 from shoecal_core.error_sources.signals import CLOSURE, PARITY

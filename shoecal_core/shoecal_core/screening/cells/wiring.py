@@ -294,10 +294,10 @@ def describe_wiring(shoe: Shoe, wiring: WiringFaults) -> list[Finding]:
 def _others(shoe: Shoe, channel: int) -> str:
     """What else is to be looked at where a force of a six-axis sensor is inverted."""
     foot, _, axis = shoe.names[channel].partition("/")
-    beside = [name for name in (f"{foot}/fx", f"{foot}/fy") if name in shoe.names]
-    if axis != "fz" or not beside:
+    sideways = [name for name in (f"{foot}/fx", f"{foot}/fy") if name in shoe.names]
+    if axis != "fz" or not sideways:
         return ""
-    return f"; push the standing robot along {' and '.join(beside)}: they may be, too"
+    return f"; push the standing robot along {' and '.join(sideways)}: they may be, too"
 
 
 def _describe_better(shoe: Shoe, wiring: WiringFaults) -> Finding:
