@@ -22,6 +22,7 @@ from shoecal_core.recording.imports.csv_mapping import (
     load_csv_mapping,
 )
 from shoecal_core.recording.imports.csv_table import CsvColumn, CsvTable
+from shoecal_core.recording.imports.csv_times import no_common_time, timed
 from shoecal_core.recording.imports.foreign import ImportedRun, StampedMessage, Stamps
 from shoecal_core.recording.imports.imported_angles import (
     check_angles,
@@ -29,8 +30,6 @@ from shoecal_core.recording.imports.imported_angles import (
     optional_joints,
 )
 from shoecal_core.recording.imports.mapping import Trial
-from shoecal_core.recording.imports.unpadded import unpadded
-from shoecal_core.recording.join import few_digits, in_order
 from shoecal_core.recording.packets import ANGLES_S, READINGS_S, find_packets
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.urdf import Outline, read_outline
@@ -39,18 +38,6 @@ from shoecal_core.shoe.shoe import Shoe, load_shoe
 MAX_ODD_ROWS = 5
 MAX_ODD_ROWS_SHARE = 0.02
 """Tables of one trial whose numbers of rows differ by more are not row by row of one clock."""
-MAX_REPEATED_SHARE = 0.1
-"""A time column in which more rows repeat or go back is no time column of rows in order."""
-COUNTER_BITS, COUNTER_ROWS = (16, 32), 3.0
-"""Of boards' counters of microseconds and milliseconds; and rows that may be missing where one
-starts again."""
-MOST_LOGS = 5
-"""Of one file, after each of which time starts again; where it goes back more often rows are
-unsorted."""
-SLOWEST_NS, FASTEST_NS = 1e9, 1e4
-"""Between rows, usually: sensors of feet are sampled at 10 Hz to 10 kHz [ns]."""
-EPOCH_NS = 10**18
-"""In 2001: a time column that is later counts from 1970 [ns]."""
 
 
 def import_csv(mapping_path: Path, folder: Path, out: Path) -> Session:
@@ -158,16 +145,31 @@ class _Importer:
         """Rows that count of each table, with their stamps."""
         clock = self._mapping.clock
         if clock is None:
-            timed = {}
+            found = {}
             for name, meaning in self._mapping.tables.items():
                 assert meaning.time is not None
-                timed[name] = _timed(tables[name], meaning.time, start_ns, notes)
-            return timed
+                stamps, kept = timed(tables[name], meaning.time, start_ns, notes)
+                found[name] = _Rows(tables[name], stamps, kept, notes)
+            self._check_common_time(found)
+            return found
         count = self._common_rows(tables, clock, notes)
         time = self._mapping.tables[clock].time
         assert time is not None
-        rows = _timed(tables[clock], time, start_ns, notes, count)
-        return {name: replace(rows, table=table) for name, table in tables.items()}
+        stamps, kept = timed(tables[clock], time, start_ns, notes, count)
+        return {name: _Rows(table, stamps, kept, notes) for name, table in tables.items()}
+
+    def _check_common_time(self, rows: Mapping[str, _Rows]) -> None:
+        """Refuse tables, each with its own times, that have no time in common with the joints'."""
+        tables = self._mapping.tables
+        joints = next(name for name, meaning in tables.items() if meaning.joints)
+        time, here = tables[joints].time, rows[joints]
+        assert time is not None
+        for name, other in rows.items():
+            if name == joints:
+                continue
+            own, others = ((one.table.path.name, one.stamps) for one in (here, other))
+            if problem := no_common_time(own, others):
+                raise FieldError(here.table.path, problem, field=f"column '{time.name}'")
 
     def _check_packets(self, rows: Mapping[str, _Rows]) -> None:
         """Refuse tables of joints or readings that are stamped packet by packet."""
@@ -276,92 +278,6 @@ class _Importer:
             raise FieldError(
                 self._mapping.head.path, f"'{name}' is not one of: {', '.join(known)}", field=field
             )
-
-
-def _timed(
-    table: CsvTable, time: CsvColumn, start_ns: int, notes: list[str], count: int | None = None
-) -> _Rows:
-    """The first `count` rows of a table by its time column, those left out that repeat a time."""
-    nanoseconds = _nanoseconds(table, time, notes)[:count]
-    outside = (nanoseconds + start_ns < 0.0) | (nanoseconds + start_ns >= foreign.LATEST_NS)
-    if outside.any():
-        place = int(np.flatnonzero(outside)[0])
-        cure = "shift it, check its unit"
-        if start_ns and ((nanoseconds >= EPOCH_NS) & (nanoseconds < foreign.LATEST_NS)).all():
-            cure = "it counts from 1970 already: leave the trial's 'start' out"
-        raise table.error(time.name, place, f"time is negative or after 2038; {cure}")
-    stamps = np.rint(nanoseconds).astype(np.int64) + start_ns
-    forward = in_order(stamps)
-    back = np.flatnonzero(~forward)
-    steps = np.diff(nanoseconds)
-    usual = float(np.median(np.abs(steps))) if len(steps) else 0.0
-    if usual > SLOWEST_NS or 0.0 < usual < FASTEST_NS:
-        raise table.error(
-            time.name,
-            0,
-            f"rows are {1e-9 * usual:.3g} s apart, which no robot is sampled at; correct the unit "
-            "of the time column",
-        )
-    drops = np.flatnonzero(np.diff(stamps) < 0)
-    for row in drops.tolist():
-        if period := _period_of_counter(usual - float(steps[row]), usual):
-            raise table.error(
-                time.name,
-                row + 1,
-                f"time starts again after {period:.10g} s, as a board's counter does that has no "
-                f"more bits: add {period:.10g} s from this line on, and export the file again",
-            )
-    if len(back) > MAX_REPEATED_SHARE * len(stamps):
-        if few_digits(stamps):
-            raise table.error(
-                time.name,
-                int(back[0]),
-                f"{len(back)} of {len(stamps)} times are those of the row before: they were "
-                "written with too few digits; write them to a millisecond or better and export the "
-                "file again",
-            )
-        if 0 < len(drops) <= MOST_LOGS:
-            raise table.error(
-                time.name,
-                int(drops[0]) + 1,
-                "time goes back to that of an earlier row, as where several logs are in one file: "
-                "cut it there, and make each a trial of its own",
-            )
-        raise table.error(time.name, int(back[0]), "time repeats or goes back; sort the rows")
-    if len(back):
-        notes.append(
-            f"{table.path.name}: {len(back)} of {len(stamps)} rows left out, "
-            f"their time repeats or goes back (first in line {table.line(int(back[0]))})"
-        )
-    return _Rows(table, stamps[forward], np.flatnonzero(forward), notes)
-
-
-def _nanoseconds(table: CsvTable, time: CsvColumn, notes: list[str]) -> FloatArray:
-    """Numbers (T,) of a time column [ns].
-
-    Where the leading zeros of decimals were not printed they are put in, with a note: not a digit
-    is lost, and a recording can rarely be made again.
-    """
-    numbers, texts = table.read(time), table.texts(time)
-    meant = unpadded(texts, table.decimal)
-    if meant is None:
-        return numbers
-    line = table.line(meant.first)
-    notes.append(f"{table.path.name}: {meant.describe(texts[meant.first].strip(), line)}")
-    return meant.times * time.scale
-
-
-def _period_of_counter(step: float, usual: float) -> float | None:
-    """Of counters of COUNTER_BITS that count us or ms: the one that starts again after a step [s].
-
-    Args:
-        step, usual: between two rows, if it did, and between most rows [ns].
-    """
-    for bits in COUNTER_BITS:
-        for tick in (1e3, 1e6):
-            if abs(step - 2.0**bits * tick) <= COUNTER_ROWS * usual:
-                return 1e-9 * 2.0**bits * tick
-    return None
 
 
 def _cut(rows: dict[str, _Rows], trial: Trial) -> dict[str, _Rows]:
