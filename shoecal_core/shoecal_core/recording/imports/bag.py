@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sqlite3
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
@@ -43,6 +44,8 @@ UNPACK = {".zst": "zstd -d", ".zstd": "zstd -d", ".gz": "gunzip", ".bz2": "bunzi
 """Commands that unpack files compressed as a whole, by their suffix."""
 METADATA = "metadata.yaml"
 BAG_INFORMATION = "rosbag2_bagfile_information"
+_PART = re.compile(rf"(.*)_\d+\.(?:mcap|db3)(?:{'|'.join(map(re.escape, UNPACK))})?")
+"""Name of a file in a folder of rosbag2: the bag's and the part's number."""
 MAX_CHUNK = 64 * 2**20
 """Bytes of a chunk, or of a message compressed by itself, when unpacked: room for images."""
 _FAULTS = (*DAMAGE, AnyReaderError, sqlite3.Error, AssertionError, TypeError, EOFError)
@@ -98,8 +101,9 @@ class Bag:
             raise FileMissingError(self.path, "does not exist; name a bag")
         folder = self.path.is_dir()
         if folder and not (self.path / METADATA).is_file():
-            problem = f"has no {METADATA}; name the .mcap or .db3 file in it"
-            raise FileUnreadableError(self.path, f"{problem}, or call `ros2 bag reindex`")
+            raise FileUnreadableError(
+                self.path, f"has no {METADATA}; {_without_metadata(self.path)}"
+            )
         with self._damage(), ExitStack() as stack:
             copies = Path(stack.enter_context(TemporaryDirectory()))
             if folder:
@@ -223,6 +227,24 @@ def _checked_metadata(folder: Path) -> Mapping[str, Any]:
         for file in files:
             _require_file(file, files)
     return information
+
+
+def _without_metadata(folder: Path) -> str:
+    """The cure of a folder of rosbag2 without its metadata, which a killed recorder leaves.
+
+    Parts of one bag, numbered `NAME_0`, `NAME_1`, are no runs of their own.
+    """
+    parts: dict[str, list[str]] = {}
+    for name in sorted(path.name for path in folder.iterdir()):
+        if part := _PART.fullmatch(name):
+            parts.setdefault(part[1], []).append(name)
+    for names in parts.values():
+        if len(names) > 1:
+            return (
+                f"{names[0]} to {names[-1]} in it are {len(names)} parts of one bag: make it again "
+                f"with `ros2 bag reindex {folder}`"
+            )
+    return "name the .mcap or .db3 file in it, or call `ros2 bag reindex`"
 
 
 def _require_file(file: Path, listed: Collection[Path]) -> None:

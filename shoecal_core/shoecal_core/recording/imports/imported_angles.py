@@ -18,7 +18,12 @@ from shoecal_core.recording.columns import Block, decode_columns
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.imports.foreign import ImportedRun
 from shoecal_core.recording.imports.mapping import MappingHead
-from shoecal_core.recording.imports.standing import Feet, find_feet
+from shoecal_core.recording.imports.standing import (
+    LEGS_EXCHANGED,
+    Feet,
+    find_feet,
+    find_feet_exchanged,
+)
 from shoecal_core.recording.info import HANGING
 from shoecal_core.recording.joint_series import (
     JointSeries,
@@ -50,8 +55,9 @@ def check_angles(head: MappingHead, runs: Sequence[ImportedRun]) -> list[Importe
         runs: as read.
 
     Raises:
-        RecordingError: for joints that are missing or have no angles, for angles in degrees, and
-            for what is stamped packet by packet.
+        RecordingError: for joints that are missing or have no angles, for angles in degrees, for
+            legs at each other's place, for angles and readings without a time in common, and for
+            what is stamped packet by packet.
         FieldError: for a support of the opposite sign than the joint angles give.
     """
     limits = read_outline(head.urdf).limits
@@ -66,16 +72,19 @@ def check_angles(head: MappingHead, runs: Sequence[ImportedRun]) -> list[Importe
                 raise no_angles(one.source, joint, head.robot)
         readings = _readings(one)
         _check_packets(one.source, angles, readings)
+        _check_common_time(one.source, angles, readings)
         angles, jumping = without_zeros(angles)
         notes = _beyond_limits(one.source, angles, limits)
         if shoe is not None and kinematics is not None and stands:
-            given, feet = one.trial.support, _feet(one, kinematics, shoe, angles, readings)
+            feet = _feet(one, kinematics, shoe, angles, readings)
+            others = _exchanged(one, kinematics, shoe, angles, readings, feet)
+            given = one.trial.support
             wrong = "" if feet is None else feet.wrong(stand=given is not None)
             if wrong:
                 notes.append(wrong)
             elif feet is not None and given is not None and not notes:
                 field = f"trials[{place}].support"
-                notes += _compare(head.path, field, one.source, given, feet.support)
+                notes += _compare(head.path, field, one.source, given, feet.support, others)
         checked.append(replace(one, notes=(*one.notes, *lacking, *jumping, *notes)))
     return checked
 
@@ -180,6 +189,55 @@ def _feet(
         raise RecordingError(run.source, str(error)) from error
 
 
+def _check_common_time(source: Path, angles: Series, readings: Series) -> None:
+    """Refuse angles and readings whose stamps do not meet."""
+    spans = [
+        (min(float(time[0]) for time in times), max(float(time[-1]) for time in times))
+        for series in (angles, readings)
+        if (times := [one.time for one in series.values() if len(one.time)])
+    ]
+    if len(spans) < 2:
+        return
+    (first, last), (other_first, other_last) = spans
+    if first <= other_last and other_first <= last:
+        return
+    raise RecordingError(
+        source,
+        f"its joint angles are stamped {first:.3f} to {last:.3f} s, its readings "
+        f"{other_first:.3f} to {other_last:.3f} s, none in common: stamp both by one clock, or "
+        "list the topics of both under 'received' of the mapping, so that times of receipt count",
+    )
+
+
+def _exchanged(
+    run: ImportedRun,
+    kinematics: Kinematics,
+    shoe: Shoe,
+    angles: Series,
+    readings: Series,
+    feet: Feet | None,
+) -> bool:
+    """Whether the legs' angles under each other's names agree with the trial, and as recorded not.
+
+    That the feet stand still, too, as recorded leaves the support's sign as the cause.
+
+    Raises:
+        RecordingError: where only so the feet stand still and level.
+    """
+    given = run.trial.support
+    if feet is None or feet.explained:
+        return False
+    unlike = bool(feet.moves or feet.wrong(stand=given is not None))
+    if not unlike and (given is None or not _apart(given, feet.support)):
+        return False
+    other = find_feet_exchanged(kinematics, shoe, angles, readings)
+    if other is None or (given is not None and _apart(given, other.support)):
+        return False
+    if unlike:
+        raise RecordingError(run.source, LEGS_EXCHANGED)
+    return True
+
+
 def _check_packets(source: Path, angles: Series, readings: Series) -> None:
     """Refuse angles or readings whose stamps are those of their receipt in packets."""
     for what, series, bearable in (
@@ -191,25 +249,49 @@ def _check_packets(source: Path, angles: Series, readings: Series) -> None:
                 raise RecordingError(source, packets.describe(what), field=name)
 
 
-def _compare(
-    mapping: Path, field: str, source: Path, given: DoubleSupport, found: DoubleSupport
-) -> list[str]:
-    """Numbers of a support that differ from those by the joint angles, a line each."""
-    notes = []
+def _apart(given: DoubleSupport, found: DoubleSupport) -> dict[str, bool]:
+    """Numbers of a support that differ from those by the joint angles, and whether their signs are
+    opposite.
+    """
+    names = {}
     for name, (limit, unit) in APART.items():
         own, seen = getattr(given, name), getattr(found, name)
         apart = abs(math.remainder(own - seen, math.tau) if unit == "rad" else own - seen)
         opposite = abs(own + seen) < 0.25 * apart
-        if apart <= (0.5 * limit if opposite else limit):
-            continue
+        if apart > (0.5 * limit if opposite else limit):
+            names[name] = opposite
+    return names
+
+
+def _compare(
+    mapping: Path,
+    field: str,
+    source: Path,
+    given: DoubleSupport,
+    found: DoubleSupport,
+    exchanged: bool,
+) -> list[str]:
+    """Numbers of a support that differ from those by the joint angles, a line each.
+
+    Args:
+        mapping, field: where the support is given.
+        source: of the joint angles.
+        given, found: the support there and by the joint angles.
+        exchanged: with the legs' angles at each other's place they would not differ.
+    """
+    notes = []
+    legs = ", or exchange the left and the right leg's joints, which agree with it then"
+    cause = legs if exchanged else ""
+    for name, opposite in _apart(given, found).items():
+        own, seen, unit = getattr(given, name), getattr(found, name), APART[name][1]
         difference = f"{name} is {own:.4g} {unit}, but {seen:.4g} {unit} by the joint angles"
         if opposite:
             raise FieldError(
                 mapping,
                 f"{difference} of {source.name}: the sign is opposite; correct it (right sole in "
                 "the left one's frame: dx forward, dy to the left, dtheta counter-clockwise), or "
-                "the signs of the joints",
+                f"the signs of the joints{cause}",
                 field=field,
             )
-        notes.append(f"support: {difference}; correct it, or check the joints' zeros")
+        notes.append(f"support: {difference}; correct it, or check the joints' zeros{cause}")
     return notes

@@ -24,6 +24,10 @@ OUTER, OUTER_LOADED = 0.0, 15.0
 of which some are of a foot that is about to leave or to land."""
 LEAST_BOTH = 0.05
 """Of a recording, in which both feet carry load, from which they are looked at there alone."""
+LEGS_EXCHANGED = (
+    "the joint angles of the left and the right leg are exchanged: only with all of them at each "
+    "other's place do the feet stand still and level; exchange their names or the legs' cables"
+)
 
 
 @dataclass(frozen=True)
@@ -42,6 +46,11 @@ class Feet:
     loaded: bool
     loop: OpenLoop | None
 
+    @property
+    def explained(self) -> bool:
+        """Soles are not level with each other, and one joint, or two, explain it."""
+        return self.loop is not None and self.loop.named(loaded=self.loaded)
+
     def wrong(self, *, stand: bool) -> str:
         """What is wrong with the soles, and the joint that explains it; empty where nothing is.
 
@@ -49,7 +58,7 @@ class Feet:
             stand: the feet are known to stand; else what only their motion may explain is left out.
         """
         loop = self.loop
-        if loop is None or not (loop.named(loaded=self.loaded) or stand or not self.moves):
+        if loop is None or not (self.explained or stand or not self.moves):
             return ""
         return loop.text(loaded=self.loaded)
 
@@ -80,6 +89,27 @@ def find_feet(kinematics: Kinematics, shoe: Shoe, angles: Series, readings: Seri
         loaded,
         open_loop(kinematics, chosen),
     )
+
+
+def find_feet_exchanged(
+    kinematics: Kinematics, shoe: Shoe, angles: Series, readings: Series
+) -> Feet | None:
+    """How the feet would stand if each leg's angles were those of the other one.
+
+    Args:
+        kinematics, shoe, angles, readings: as of `find_feet`.
+
+    Returns:
+        None where they would not stand still and level, or the legs have no joints in pairs.
+    """
+    robot = kinematics.robot
+    left, right = ([robot.joint_names[one - 2] for one in leg] for leg in robot.leg_chains)
+    if len(left) != len(right) or not {*left, *right} <= set(angles):
+        return None
+    other = dict(zip([*left, *right], [*right, *left], strict=True))
+    exchanged = {name: angles[other.get(name, name)] for name in angles}
+    feet = find_feet(kinematics, shoe, exchanged, readings)
+    return None if feet.moves or feet.wrong(stand=True) else feet
 
 
 def _both_carry_load(shoe: Shoe, readings: Series, instants: FloatArray) -> BoolArray | None:
