@@ -61,11 +61,11 @@ def timed(
     """
     nanoseconds = _nanoseconds(table, time, notes)[:count]
     _check_one_unit(table, time, nanoseconds)
-    steps = np.diff(nanoseconds)
-    usual = float(np.median(np.abs(steps))) if len(steps) else 0.0
-    _check_counter(table, time, nanoseconds, usual)
-    _check_range(table, time, nanoseconds, start_ns)
-    _check_unit(table, time, nanoseconds, usual)
+    _check_counter(table, time, nanoseconds)
+    outside = (nanoseconds + start_ns < 0.0) | (nanoseconds + start_ns >= LATEST_NS)
+    inside = nanoseconds[~outside]
+    _check_unit(table, time, inside if len(inside) > 1 else nanoseconds)
+    _check_range(table, time, nanoseconds, outside, start_ns)
     stamps = np.rint(nanoseconds).astype(np.int64) + start_ns
     forward = in_order(stamps)
     _check_order(table, time, stamps, forward)
@@ -170,9 +170,15 @@ def _unlikely(step_ns: float) -> float:
     return abs(math.log(step_ns / USUAL_NS))
 
 
-def _check_counter(table: CsvTable, time: CsvColumn, nanoseconds: FloatArray, usual: float) -> None:
+def _usual(steps: FloatArray) -> float:
+    """Size of most steps [ns]; zero without any."""
+    return float(np.median(np.abs(steps))) if len(steps) else 0.0
+
+
+def _check_counter(table: CsvTable, time: CsvColumn, nanoseconds: FloatArray) -> None:
     """Refuse a board's counter that starts again, or goes on with a sign."""
     steps = np.diff(nanoseconds)
+    usual = _usual(steps)
     for row in np.flatnonzero(steps < 0.0).tolist():
         period = _period_of_counter(usual - float(steps[row]), usual)
         if period is None:
@@ -204,9 +210,10 @@ def _period_of_counter(step: float, usual: float) -> float | None:
     return None
 
 
-def _check_range(table: CsvTable, time: CsvColumn, nanoseconds: FloatArray, start_ns: int) -> None:
-    """Refuse times that no stamp holds."""
-    outside = (nanoseconds + start_ns < 0.0) | (nanoseconds + start_ns >= LATEST_NS)
+def _check_range(
+    table: CsvTable, time: CsvColumn, nanoseconds: FloatArray, outside: BoolArray, start_ns: int
+) -> None:
+    """Refuse times that no stamp holds: those (T,) `outside`."""
     if not outside.any():
         return
     cure = "shift it, check its unit"
@@ -233,12 +240,13 @@ def _period_of_sign(ticks: FloatArray, scale: float) -> float | None:
     return None
 
 
-def _check_unit(table: CsvTable, time: CsvColumn, nanoseconds: FloatArray, usual: float) -> None:
+def _check_unit(table: CsvTable, time: CsvColumn, nanoseconds: FloatArray) -> None:
     """Refuse rows that are further apart, or nearer to each other, than those of any robot.
 
     Rows that come in packets are near to each other, too, though not on average.
     """
-    mean = float(np.mean(np.abs(np.diff(nanoseconds)))) if usual else 0.0
+    steps = np.abs(np.diff(nanoseconds))
+    usual, mean = _usual(steps), float(steps.mean()) if len(steps) else 0.0
     if not (usual > SLOWEST_NS or (0.0 < usual < FASTEST_NS and mean < FASTEST_NS)):
         return
     possible = {

@@ -11,6 +11,9 @@ from rosbags.rosbag2 import CompressionMode
 from rosbags.typesys import get_types_from_msg
 
 from core.recording import bags, samples
+from core.recording.two_feet import ASTRIDE, leg_pairs
+from core.recording.two_feet import standing as standing_angles
+from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import FileError, FileMissingError, FileTooLargeError
 from shoecal_core.files import read_yaml, write_yaml
 from shoecal_core.recording import schemas
@@ -672,6 +675,85 @@ def test_a_support_of_the_opposite_sign_is_refused(lab: Lab) -> None:
     assert "the sign is opposite" in str(caught.value)
     lab.edit(trials=[{**trial, "support": [dx + 0.1, dy, dtheta]}])
     assert lab.imported().runs[0].info.notes[0].startswith(f"support: dx is {dx + 0.1:.4g} m, but")
+
+
+def sways(lab: Lab, name: str, angles: FloatArray, *, exchanged: bool) -> Path:
+    """A bag of angles (T, m) [rad], each leg's under the other one's names."""
+    other = {joint: joint for joint in lab.joints}
+    if exchanged:
+        for left, right in leg_pairs(Kinematics(load_robot(lab.robot))):
+            other |= {left: right, right: left}
+    bag = bags.BagWriter(lab.folder, name, "mcap")
+    for row, posture in enumerate(angles):
+        bag.joints(0.02 * row, [other[joint] for joint in lab.joints], posture)
+        bag.feet(0.02 * row)
+    return bag.close()
+
+
+def test_legs_at_each_others_place_are_named(lab: Lab) -> None:
+    """By the draft, and by an import that is given the support."""
+    angles = standing_angles(Kinematics(load_robot(lab.robot, load_shoe(lab.shoe))), ASTRIDE)
+    names = ("sound", "exchanged")
+    lab.draft(*(sways(lab, one, angles, exchanged=one != "sound") for one in names))
+    told = "exchanged: the joint angles of the left and the right leg are exchanged: only with all"
+    assert lab.mapping.read_text().count("are exchanged") == 1
+    assert f"# CHECK: {told}" in lab.mapping.read_text()
+    support = [ASTRIDE.dx, ASTRIDE.dy, ASTRIDE.dtheta]
+    trials = [{"motion": "sways", "bag": one, "support": support} for one in names]
+    lab.edit(trials=trials[:1])
+    assert not lab.imported().runs[0].info.notes
+    lab.edit(trials=trials)
+    with pytest.raises(FileError, match=told):
+        lab.imported(lab.folder / "other")
+
+
+def test_angles_and_readings_of_two_clocks_are_refused(lab: Lab) -> None:
+    """Unless their times meet, if only partly."""
+    for late, refused in ((0.5, False), (90.0, True)):
+        bag = bags.BagWriter(lab.folder, f"late_{refused}", "mcap")
+        for time in np.arange(0.0, 1.0, 0.01):
+            bag.joints(time, lab.joints)
+            for side in ("left", "right"):
+                wrench = bag.wrench(time + late, f"{side}_sensor", [0.0, 0.0, 50.0])
+                bag.add(time, f"/{side}", wrench)
+        lab.draft(bag.close())
+        lab.edit(received=None)
+        if not refused:
+            assert len(lab.imported(lab.folder / "partly").read(1).joints.time) == 100
+            continue
+        with pytest.raises(FileError) as caught:
+            lab.imported()
+        assert "its joint angles are stamped 1700000000.000 to 1700000000.990 s" in str(
+            caught.value
+        )
+        assert "its readings 1700000090.000 to 1700000090.990 s, none in" in str(caught.value)
+        lab.edit(received=["/joint_states", "/left", "/right"])
+        assert len(lab.imported().read(1).readings.time) == 100
+
+
+@pytest.mark.parametrize(
+    ("files", "problem"),
+    [
+        (["walk_0.mcap"], "name the .mcap or .db3 file in it"),
+        (["monday.mcap", "tuesday.mcap"], "name the .mcap or .db3 file in it"),
+        (["a_0.mcap", "b_0.mcap"], "name the .mcap or .db3 file in it"),
+        (["w_0.db3", "w_1.db3", "w_1.db3-wal"], "w_0.db3 to w_1.db3 in it are 2 parts of one bag"),
+        (["w_0.mcap.zstd", "w_1.mcap.zstd", "w_2.mcap"], "to w_2.mcap in it are 3 parts of one"),
+    ],
+)
+def test_a_folder_without_metadata(lab: Lab, files: list[str], problem: str) -> None:
+    """Of one bag's parts none is a run of its own."""
+    folder = lab.folder / "killed"
+    folder.mkdir()
+    for name in files:
+        (folder / name).write_bytes(b"")
+    with pytest.raises(FileError) as caught:
+        lab.draft(folder)
+    assert f"killed: has no metadata.yaml; {problem}" in str(caught.value).replace(
+        "w_0.mcap.zstd ", ""
+    )
+    assert ("name the" in str(caught.value)) == (len(files) < 3)
+    assert "`ros2 bag reindex" in str(caught.value)
 
 
 def test_joints_without_angles_are_refused(lab: Lab) -> None:

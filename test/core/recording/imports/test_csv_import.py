@@ -9,13 +9,16 @@ import yaml
 from scipy.spatial.transform import Rotation
 
 from core.recording import samples
+from core.recording.two_feet import leg_pairs
 from shoecal_core.errors import FileError, FileMissingError
 from shoecal_core.files import write_yaml
 from shoecal_core.recording.imports.csv_import import import_csv
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.kinematics import Kinematics
+from shoecal_core.robot.robot_file import load_robot
 
-CHECKOUT = Path(__file__).parents[3]
+CHECKOUT = Path(__file__).parents[4]
 Yaml = dict[str, object]
 
 MAPPING = """\
@@ -437,6 +440,79 @@ def test_a_counter_that_starts_again_is_told_with_its_line_and_period(
     ) as raised:
         import_all(folder)
     assert f"add {1e-3 * period:.10g} s from this line on" in str(raised.value)
+
+
+def two_clocks(folder: Path, late_s: float) -> Session:
+    """Cells sampled every 10 ms, each table by its own times; those of the cells are later."""
+    mapping = yaml.safe_load(MAPPING)
+    del mapping["clock"]
+    mapping["tables"] = {
+        "joints": {"time": {"column": "t", "unit": "ms"}, "joints": "all"},
+        "feet": {"time": {"column": "t", "unit": "us"}, "cells": "all"},
+    }
+    files = {"joints": "q.csv", "feet": "cells.csv"}
+    mapping["trials"] = [{"motion": "walking", "files": files}]
+    write_yaml(folder / "mapping.yaml", mapping)
+    (folder / "shoe.yaml").write_text(samples.SHOE_YAML)
+    rows = [f"{10 * at};0.1" for at in range(1000)]
+    (folder / "q.csv").write_text("\n".join(["t;LKneePitch", *rows]) + "\n")
+    rows = [f"{round(1e6 * late_s) + 10_000 * at};0.5" for at in range(1000)]
+    (folder / "cells.csv").write_text("\n".join(["t;left/front", *rows]) + "\n")
+    return import_all(folder)
+
+
+@pytest.mark.parametrize("late_s", [0.0, 0.3, 9.98])
+def test_tables_that_overlap_are_taken(folder: Path, late_s: float) -> None:
+    run = two_clocks(folder, late_s).read(1)
+    assert len(run.joints.time) == len(run.readings.time) == 1000
+
+
+def test_tables_without_a_time_in_common_are_refused(folder: Path) -> None:
+    """Joints by their logger's start, cells by their board's."""
+    with pytest.raises(FileError) as caught:
+        two_clocks(folder, 93.4)
+    assert (
+        "q.csv: column 't': its times are 0.000 to 9.990 s, those of cells.csv 93.400 to 103.390 s"
+        in str(caught.value)
+    )
+    assert "add 93.4 s to the times of q.csv" in str(caught.value)
+    assert not (folder.parent / "session").exists()
+
+
+def test_legs_or_the_sign_of_a_support_that_is_all_that_is_known(tmp_path: Path) -> None:
+    """A NAO that stands astride, and does not move, says as much of one as of the other."""
+    config = CHECKOUT / "config"
+    kinematics = Kinematics(load_robot(config / "robots/nao.yaml"))
+    robot = kinematics.robot
+    posture = robot.posture.copy()
+    for side, sign in (("L", 1.0), ("R", -1.0)):
+        posture[robot.joint(f"{side}HipPitch")] += sign * 0.15
+        posture[robot.joint(f"{side}AnklePitch")] -= sign * 0.15
+    found = kinematics.states(posture[None]).support()
+    other = dict(leg_pairs(kinematics))
+    other |= {right: left for left, right in other.items()}
+    names = ["t", *(other.get(name, name) for name in robot.joint_names), "left/front_left"]
+    rows = [",".join(map(str, [0.01 * at, *posture, 0.5])) for at in range(50)]
+    (tmp_path / "q.csv").write_text("\n".join([",".join(names), *rows]) + "\n")
+    mapping = {
+        "format": 1,
+        "robot": str(config / "robots/nao.yaml"),
+        "urdf": str(config / "robots/nao.urdf"),
+        "shoe": str(config / "shoes/nao_shoe.yaml"),
+        "tables": {"all": {"time": {"column": "t", "unit": "s"}, "joints": "all", "cells": "all"}},
+        "trials": [
+            {
+                "motion": "standing",
+                "support": [found.dx, found.dy, found.dtheta],
+                "files": {"all": "q.csv"},
+            }
+        ],
+    }
+    write_yaml(tmp_path / "mapping.yaml", mapping)
+    with pytest.raises(FileError) as caught:
+        import_csv(tmp_path / "mapping.yaml", tmp_path, tmp_path / "session")
+    assert f"dx is {found.dx:.4g} m, but {-found.dx:.4g} m by the joint angles" in str(caught.value)
+    assert "or exchange the left and the right leg's joints, which agree" in str(caught.value)
 
 
 def test_efforts_imu_quaternions_and_start(folder: Path) -> None:
