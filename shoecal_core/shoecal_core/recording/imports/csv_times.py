@@ -24,7 +24,7 @@ MOST_LOGS = 5
 """Of one file, after each of which time starts again; where it goes back more often rows are
 unsorted."""
 RESTART_ROWS = 10
-"""That follow one another after a board started again, at least: fewer are damaged rows."""
+"""That are before a board started again, and after it, at least: fewer are damaged rows."""
 SLOWEST_NS, FASTEST_NS = 1e9, 5e4
 """Between rows, usually: sensors of feet are sampled at 10 Hz to 10 kHz, and no robot at more than
 20 kHz. So milliseconds that are taken for microseconds are found down to 20 rows a second [ns]."""
@@ -295,7 +295,7 @@ def _check_order(table: CsvTable, time: CsvColumn, stamps: Stamps, forward: Bool
 
 def _started_again(stamps: Stamps, drops: IntArray) -> bool:
     """Whether stamps (T,) [ns] go back once to before the first, and on from there."""
-    if len(drops) != 1:
+    if len(drops) != 1 or drops[0] + 1 < RESTART_ROWS:
         return False
     after = stamps[drops[0] + 1 :][:RESTART_ROWS]
     return len(after) == RESTART_ROWS and bool((after < stamps[0]).all())

@@ -139,16 +139,17 @@ def test_a_board_that_started_again(folder: Path, rows: int) -> None:
     assert "another zero of time" in problem
 
 
-def test_one_row_of_an_earlier_time_is_left_out(folder: Path) -> None:
+@pytest.mark.parametrize(("row", "tick", "line"), [(100, 350, 102), (0, 90_000, 2)])
+def test_one_row_of_another_time_is_left_out(folder: Path, row: int, tick: int, line: int) -> None:
     path = folder / "one.csv"
     ticks = 40_000 + 10 * np.arange(300)
-    ticks[100] = 350
+    ticks[row] = tick
     path.write_text("\n".join(["t", *map(str, ticks)]) + "\n")
     notes: list[str] = []
     found, kept = timed(CsvTable(path, Layout()), CsvColumn("t", 1e6), 0, notes)
     assert len(found) == len(kept) == 299
     assert notes == [
-        "one.csv: 1 of 300 rows left out, their time repeats or goes back (first in line 102)"
+        f"one.csv: 1 of 300 rows left out, their time repeats or goes back (first in line {line})"
     ]
 
 
