@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
@@ -11,12 +11,9 @@ import numpy as np
 import pinocchio as pin
 
 from shoecal_core.arrays import FloatArray
+from shoecal_core.robot.joint_centres import axis_of, centres_of, own_joints
 from shoecal_core.robot.link_shapes import Description
-from shoecal_core.robot.symbolic import joint_axis
-from shoecal_core.robot.urdf import ROOT_JOINTS, Mimic, UrdfError, read_urdf
-
-LEAST_SINE = 0.1
-"""Axes with a smaller sine of the angle between them count as parallel."""
+from shoecal_core.robot.urdf import Mimic, UrdfError, read_urdf
 
 
 @dataclass(frozen=True)
@@ -40,7 +37,7 @@ class Body(Description):
 
     def axis(self, joint: int) -> FloatArray:
         """(3,) unit axis about which it turns, in the base."""
-        return _axis(self.model, self.placements, joint)
+        return axis_of(self.model, self.placements, joint)
 
     def link(self, joint: int) -> tuple[str, pin.SE3]:
         """The link that a joint turns, and its frame in the joint's frame.
@@ -87,46 +84,5 @@ def read_body(
     placements = tuple(pin.SE3(placement) for placement in data.oMi)
     return Body(
         urdf, root, model, meshes, description.mimics, description.locked, angles, placements,
-        _centres(model, placements),
+        centres_of(model, placements),
     )  # fmt: skip
-
-
-def _axis(model: pin.Model, placements: Sequence[pin.SE3], joint: int) -> FloatArray:
-    linear, angular = joint_axis(model, joint)
-    axis = placements[joint].rotation @ (linear + angular)
-    return np.asarray(axis / np.linalg.norm(axis))
-
-
-def _centres(model: pin.Model, placements: Sequence[pin.SE3]) -> tuple[FloatArray, ...]:
-    """Of every joint the point of its axis that is nearest to the joint before it.
-
-    Of a limb's first joint it is the one nearest to the axis of the next that is not parallel.
-    """
-    found = [np.asarray(placement.translation, dtype=np.float64) for placement in placements]
-    for joint in own_joints(model):
-        if not joint_axis(model, joint)[1].any():
-            continue  # a slide has no axis in any place
-        axis, before = _axis(model, placements, joint), int(model.parents[joint])
-        if before in own_joints(model):
-            found[joint] = found[joint] + axis * (axis @ (found[before] - found[joint]))
-            continue
-        after = _only_child(model, joint)
-        while after is not None:
-            other = _axis(model, placements, after)
-            normal = np.cross(axis, other)
-            if (square := float(normal @ normal)) > LEAST_SINE**2:
-                way = np.cross(found[after] - found[joint], other) @ normal / square
-                found[joint] = found[joint] + axis * way
-                break
-            after = _only_child(model, after)
-    return tuple(found)
-
-
-def _only_child(model: pin.Model, joint: int) -> int | None:
-    children = [one for one in own_joints(model) if int(model.parents[one]) == joint]
-    return children[0] if len(children) == 1 else None
-
-
-def own_joints(model: pin.Model) -> range:
-    """The robot's joints, without those of the base."""
-    return range(ROOT_JOINTS, model.njoints)

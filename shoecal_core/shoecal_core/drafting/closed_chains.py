@@ -11,8 +11,9 @@ from xml.etree import ElementTree
 
 import pinocchio as pin
 
-from shoecal_core.drafting.body import Body, own_joints
+from shoecal_core.drafting.body import Body
 from shoecal_core.drafting.legs import LegChains
+from shoecal_core.robot.joint_centres import own_joints
 from shoecal_core.robot.urdf import UrdfError
 
 LOOP = "loop_joint"

@@ -15,7 +15,7 @@ from shapely.geometry.base import BaseGeometry
 from shapely.ops import nearest_points
 
 from shoecal_core.arrays import FloatArray
-from shoecal_core.drafting.body import Body, own_joints, read_body
+from shoecal_core.drafting.body import Body, read_body
 from shoecal_core.drafting.capsules import DraftCapsule, find_capsules, pairs_of
 from shoecal_core.drafting.closed_chains import held_joints
 from shoecal_core.drafting.foot_cells import FootCells, find_cells
@@ -40,6 +40,7 @@ from shoecal_core.drafting.soles import (
 from shoecal_core.drafting.support_range import DraftRange, find_range
 from shoecal_core.errors import FileError
 from shoecal_core.robot.gravity import GRAVITY
+from shoecal_core.robot.joint_centres import own_joints
 from shoecal_core.robot.link_shapes import Shapes, find_shapes
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot

@@ -10,13 +10,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from shoecal_core.arrays import FloatArray
-from shoecal_core.drafting.body import Body, own_joints
+from shoecal_core.drafting.body import Body
+from shoecal_core.robot.joint_centres import own_joints
+from shoecal_core.robot.leg_links import unlike_links
 from shoecal_core.robot.urdf import UrdfError
 
 LEAST_MOTORS = 8
 """Six hold two feet in place, two more move the body."""
 LIKE = 0.02
 """Part of a chain's length by which mirrored joints may be off."""
+ALMOST = 0.3
+"""Likewise, of two legs of which one has a wrong link."""
 LEVEL = 0.1
 """Part of a leg's length: chains that end higher by less than this reach as low."""
 ARM = re.compile(r"arm|hand|wrist|elbow|shoulder|finger|gripper", re.IGNORECASE)
@@ -48,11 +52,8 @@ def find_legs(body: Body) -> LegChains:
         UrdfError: for a robot without two feet, or with more.
     """
     ends = _ends(body)
-    pairs = [
-        pair
-        for one, other in itertools.combinations(ends, 2)
-        if (pair := _mirrored(body, one, other)) is not None
-    ]
+    pairs = _pairs(body, ends, LIKE)
+    _check_alike(body, pairs, _pairs(body, ends, ALMOST))
     if not pairs:
         listed = ", ".join(str(body.model.names[chain[-1]]) for chain in ends)
         raise UrdfError(
@@ -82,8 +83,41 @@ def _ends(body: Body) -> list[tuple[int, ...]]:
     ]
 
 
+def _pairs(
+    body: Body, ends: Sequence[tuple[int, ...]], like: float
+) -> list[tuple[tuple[int, ...], tuple[int, ...]]]:
+    """Chains that are each other's mirror image to within this part of their length."""
+    return [
+        pair
+        for one, other in itertools.combinations(ends, 2)
+        if (pair := _mirrored(body, one, other, like)) is not None
+    ]
+
+
+def _check_alike(
+    body: Body,
+    pairs: Sequence[tuple[tuple[int, ...], tuple[int, ...]]],
+    almost: Sequence[tuple[tuple[int, ...], tuple[int, ...]]],
+) -> None:
+    """Refuse legs that are almost alike: two chains that reach lower than all that are alike."""
+    lowest = min((_height(body, pair[0]) for pair in pairs), default=np.inf)
+    legs = [
+        pair
+        for pair in almost
+        if len(pair[0]) * 2 >= LEAST_MOTORS
+        and max(_height(body, chain) for chain in pair) < lowest
+        and not any(ARM.search(str(body.model.names[joint])) for joint in pair[0])
+    ]
+    if not legs:
+        return
+    best = min(legs, key=lambda pair: _height(body, pair[0]))
+    unlike = unlike_links(body.model, body.placements, best)
+    if unlike is not None and unlike.off > LIKE * unlike.length:
+        raise UrdfError(body.urdf, unlike.text, field="joint origins")
+
+
 def _mirrored(
-    body: Body, one: tuple[int, ...], other: tuple[int, ...]
+    body: Body, one: tuple[int, ...], other: tuple[int, ...], like: float
 ) -> tuple[tuple[int, ...], tuple[int, ...]] | None:
     """Both chains after their fork, where one is the mirror image of the other."""
     shared = sum(a == b for a, b in zip(one, other, strict=False))
@@ -98,8 +132,8 @@ def _mirrored(
     across /= np.linalg.norm(across)
     off = (a - b) - np.outer((a - b) @ across, across)
     middle = 0.5 * (a + b) @ across
-    like = np.abs(off).max() < LIKE * length and np.ptp(middle) < LIKE * length
-    return (one, other) if like and abs(across @ UP) < 0.1 else None
+    alike = np.abs(off).max() < like * length and np.ptp(middle) < like * length
+    return (one, other) if alike and abs(across @ UP) < 0.1 else None
 
 
 def _height(body: Body, chain: Sequence[int]) -> float:

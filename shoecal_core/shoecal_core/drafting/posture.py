@@ -9,10 +9,11 @@ import pinocchio as pin
 from scipy.optimize import brentq, least_squares
 
 from shoecal_core.arrays import FloatArray
-from shoecal_core.drafting.body import Body, own_joints
+from shoecal_core.drafting.body import Body
 from shoecal_core.drafting.legs import UP, LegChains
 from shoecal_core.drafting.plausible import crossed_limits
 from shoecal_core.drafting.soles import Sole
+from shoecal_core.robot.joint_centres import own_joints
 from shoecal_core.robot.urdf import UrdfError
 
 BEND = 0.8

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+from itertools import pairwise
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pinocchio as pin
@@ -12,7 +14,10 @@ import shapely
 from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.errors import FieldError, FileMissingError
 from shoecal_core.file_kinds import kind_of, meant, wanted
-from shoecal_core.files import Fields, read_yaml, sha256
+from shoecal_core.files import Fields, read_bytes, read_yaml, sha256
+from shoecal_core.robot.joint_centres import centres_of
+from shoecal_core.robot.leg_links import UNLIKE, unlike_links
+from shoecal_core.robot.plausible_links import check_links, read_links
 from shoecal_core.robot.robot import (
     Capsule,
     Foot,
@@ -23,7 +28,7 @@ from shoecal_core.robot.robot import (
 )
 from shoecal_core.robot.shared_motors import read_shared_motors
 from shoecal_core.robot.standing import check_standing
-from shoecal_core.robot.urdf import ROOT_JOINTS, read_urdf
+from shoecal_core.robot.urdf import ROOT_JOINTS, UrdfError, read_urdf
 from shoecal_core.robot.weights import RobotWeights
 from shoecal_core.shoe.shoe import FEET, Shoe
 
@@ -140,6 +145,7 @@ def load_robot(
         deflection=_deflection(fields),
         tilt_max=fields.number("tilt_max_rad", default=Robot.tilt_max, above=0.0, maximum=1.5),
     )
+    _check_links(robot)
     check_standing(robot, fields)
     for index in robot.between_feet:
         if robot.joint_names[index] in robot.optional:
@@ -149,6 +155,29 @@ def load_robot(
                 "angle: record it, or make it 'fixed' in the URDF if it cannot move",
             )
     return robot
+
+
+def _check_links(robot: Robot) -> None:
+    """Refuse a URDF whose CoMs or masses have another unit, as exporters write them, or whose legs
+    are unlike both in the zero pose and in the robot's posture.
+    """
+    model = robot.model
+    data, found = model.createData(), []
+    standing = pin.neutral(model)
+    standing[-len(robot.posture) :] = robot.posture
+    for pose in (standing, pin.neutral(model)):
+        pin.forwardKinematics(model, data, pose)
+        placements = [pin.SE3(placement) for placement in data.oMi]
+        found.append(unlike_links(model, placements, robot.leg_chains))
+    centres = centres_of(model, placements)
+    steps = pairwise(centres[joint] for joint in robot.leg_chains[0])
+    length = float(sum(np.linalg.norm(after - before) for before, after in steps))
+    # read_urdf has refused document types, so no entity can unfold here.
+    text = read_bytes(robot.urdf).decode("utf-8", errors="replace")
+    check_links(robot.urdf, read_links(ElementTree.fromstring(text)), length)  # noqa: S314
+    unlike = [one for one in found if one is not None and one.off > UNLIKE * one.length]
+    if len(unlike) == len(found):
+        raise UrdfError(robot.urdf, unlike[-1].text, field="joint origins")
 
 
 def _urdf_of(fields: Fields) -> Path:

@@ -7,10 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from core.drafting.drafts import ROBOTS, draft
+from core.drafting.drafts import ROBOTS, draft, edited
 from shoecal_core.drafting.draft import draft_robot
 from shoecal_core.drafting.notes import robot_notes
 from shoecal_core.errors import FileError
+from shoecal_core.robot.robot_file import load_robot
 
 FRAME = """<link name="{0}"><inertial><mass value="{1}"/><inertia ixx="0.001" ixy="0" ixz="0"
     iyy="0.001" iyz="0" izz="0.001"/></inertial></link><joint name="{0}_mount" type="fixed">
@@ -137,3 +138,41 @@ def test_masses_by_default_are_to_be_checked(tmp_path: Path) -> None:
     (tmp_path / "wren.urdf").write_text(text)
     found = robot_notes(draft_robot(tmp_path / "wren.urdf", "wren"))
     assert any("links have 1 kg each" in note.found for note in found)
+
+
+def with_origin(folder: Path, joint: str, step: str) -> Path:
+    """The known robot with another <origin> of one joint."""
+    return edited(
+        folder, "wren", rf'(<joint name="{joint}".*?<origin xyz=")[^"]*', rf"\g<1>{step}", 1
+    )
+
+
+@pytest.mark.parametrize(
+    ("step", "said"),
+    [
+        ("0 0.108 0", "left_ankle_swing is 96 mm from left_knee, right_ankle_swing 108 mm from"),
+        ("0 0.096 -0.012", "left_ankle_swing is 96 mm from left_knee, right_ankle_swing 97 mm"),
+    ],
+)
+def test_a_link_that_is_unlike_that_of_the_other_leg(tmp_path: Path, step: str, said: str) -> None:
+    """Longer, or bent to the side; a robot file that names this URDF is refused as well."""
+    urdf = with_origin(tmp_path, "right_ankle_swing", step)
+    with pytest.raises(FileError, match="the legs are no mirror images") as drafted:
+        draft_robot(urdf, "wren")
+    assert said in str(drafted.value)
+    assert "12 mm off its mirror image; measure both" in str(drafted.value)
+    with pytest.raises(FileError, match="the legs are no mirror images"):
+        load_robot(ROBOTS / "wren.yaml", urdf=urdf)
+
+
+def test_coms_in_another_unit_are_named_where_the_robot_is_loaded(tmp_path: Path) -> None:
+    urdf = with_inertial(tmp_path, "left_shank", "xyz", 1e3)
+    with pytest.raises(FileError, match=r"the CoM of link left_shank is .* m from .*in mm\?"):
+        load_robot(ROBOTS / "wren.yaml", urdf=urdf)
+
+
+def test_a_body_without_mass_is_to_be_checked(tmp_path: Path) -> None:
+    urdf = with_inertial(tmp_path, "body", "mass value", 0.0)
+    found = [note.found for note in robot_notes(draft_robot(urdf, "wren"))]
+    assert "link body has a shape and no mass." in found
+    assert not any("no mass" in note.found for note in robot_notes(draft("wren")))

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from shoecal_core.arrays import FloatArray
-from shoecal_core.robot.joint_zeros import Law, OpenLoop, open_loop
+from shoecal_core.robot.joint_laws import Law
+from shoecal_core.robot.joint_zeros import OpenLoop, open_loop
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot
@@ -119,6 +120,48 @@ def test_a_joint_whose_sign_is_turned(nao: Kinematics, joint: str) -> None:
     )
 
 
+@pytest.mark.parametrize("joint", ["HipRoll", "AnkleRoll"])
+def test_the_same_joint_of_both_legs_with_the_other_sign(nao: Kinematics, joint: str) -> None:
+    angles = sway(nao.robot)
+    angles[:, [nao.robot.joint(f"{side}{joint}") for side in "LR"]] *= -1.0
+    wide = apart(nao.robot, angles, joint)
+    loop = open_loop(nao, wide, angles)
+    assert loop is not None
+    assert loop.law is Law.SIGNS
+    # Legs that lean as one turn hips and ankles against each other: either pair explains it.
+    assert set(loop.names) == {"LHipRoll and RHipRoll", "LAnkleRoll and RAnkleRoll"}
+    assert "with the other sign); correct both signs" in loop.text(loaded=True)
+
+
+def apart(robot: Robot, angles: FloatArray, turned: str) -> FloatArray:
+    """The same with the feet wider apart, by rolls of which one's sign is turned."""
+    wide = angles.copy()
+    for side, way in (("L", 1.0), ("R", -1.0)):
+        for joint, sign in (("HipRoll", 1.0), ("AnkleRoll", -1.0)):
+            written = -sign if joint == turned else sign
+            wide[:, robot.joint(f"{side}{joint}")] += way * written * 0.15
+    return wide
+
+
+@pytest.mark.parametrize("joint", ["LKneePitch", "RAnkleRoll", "RHipPitch"])
+@pytest.mark.parametrize("factor", [0.5, 2.0, 1.5, np.pi / 180.0, 180.0 / np.pi])
+def test_a_joint_whose_angle_has_another_scale(nao: Kinematics, joint: str, factor: float) -> None:
+    angles = sway(nao.robot)
+    more = 0.2 * np.sin(np.linspace(0.0, 18.0, len(angles)))
+    for side in "LR":
+        for name, share in (
+            ("HipPitch", -1.0), ("KneePitch", 2.0), ("AnklePitch", -1.0),
+            ("HipRoll", 1.0), ("AnkleRoll", -1.0),
+        ):  # fmt: skip
+            angles[:, nao.robot.joint(f"{side}{name}")] += share * more
+    angles[:, nao.robot.joint(joint)] *= factor
+    loop = found(nao, angles)
+    assert loop.law is Law.SCALE
+    sizes = dict(zip(loop.names, loop.factors, strict=True))
+    assert sizes[joint] == pytest.approx(1.0 / factor, rel=0.02)
+    assert f"{joint} times {sizes[joint]:.3g}" in loop.text(loaded=True)
+
+
 @pytest.mark.parametrize(
     ("one", "other"),
     [("LKneePitch", "LAnklePitch"), ("LHipPitch", "LHipRoll"), ("LKneePitch", "RAnklePitch")],
@@ -165,6 +208,29 @@ def test_runs_are_pooled_by_what_explains_them(nao: Kinematics) -> None:
     assert both is not None
     assert (both.law, both.names) == (one.law, one.names)
     assert one.with_another(found(nao, frozen)) is None
+
+
+def test_one_cause_of_runs_that_look_alike_alone(nao: Kinematics) -> None:
+    """A zero that explains each of two runs, and another size in each, explains neither."""
+    one = with_error(nao.robot, sway(nao.robot), "LAnkleRoll", 0.3)
+    other = with_error(nao.robot, sway(nao.robot), "LAnkleRoll", -0.3)
+    assert found(nao, one).fits
+    assert found(nao, other).fits
+    both = open_loop(nao, one, other)
+    assert both is not None
+    assert not both.named(loaded=True)
+
+
+def test_feet_may_stand_elsewhere_in_every_run(nao: Kinematics) -> None:
+    angles = sway(nao.robot)
+    runs = (angles, apart(nao.robot, angles, ""))
+    assert open_loop(nao, *runs) is None
+    assert open_loop(nao) is None
+    loop = open_loop(nao, *(with_error(nao.robot, one, "LHipRoll", 0.3) for one in runs))
+    assert loop is not None
+    assert dict(loop.fits)["LHipRoll"] == pytest.approx(-0.3, abs=0.02)
+    alone = found(nao, with_error(nao.robot, angles, "LHipRoll", 0.35)).by(loop)
+    assert alone.fits == loop.fits
 
 
 def test_a_sign_is_not_blamed_for_a_zero(nao: Kinematics) -> None:

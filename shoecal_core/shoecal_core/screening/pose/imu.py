@@ -2,7 +2,8 @@
 
 An IMU that is mounted upside down, or turned by a right angle about one of its axes, shows another
 direction upwards in every posture, and one turn brings all of them back. One whose orientation is
-frozen shows the same direction in all of them.
+that of a world with its z axis down, as of an aircraft, shows the opposite direction; one whose
+orientation is frozen shows the same direction in all of them.
 """
 
 from __future__ import annotations
@@ -63,10 +64,12 @@ class WrongMount:
         off: between both directions, root mean square [rad].
         turn: what brings them together: axis times angle, along the axes of the IMU's frame [rad];
             None where no turn by right angles does.
+        down: the z axis of the world that its orientation is given in points down.
     """
 
     off: float
     turn: FloatArray | None
+    down: bool = False
 
     @property
     def text(self) -> str:
@@ -81,12 +84,29 @@ class WrongMount:
         )
         if self.turn is None:
             return f"{seen}: see how it is mounted, and whether its frame is the base's; {cure}"
-        angle = float(np.linalg.norm(self.turn))
-        axis = ", ".join(f"{one:.2g}" for one in np.round(self.turn / angle, 2) + 0.0)
-        return (
-            f"{seen}: it is turned against its frame; a turn by {np.degrees(angle):.0f} degrees "
-            f"about its axis ({axis}) brings both together: {cure}"
-        )
+        if self.down:
+            return (
+                f"{seen}: {self._axes}; have its driver give x forward, y left and z up (REP-103), "
+                "or leave the IMU's topic out of the import"
+            )
+        return f"{seen}: it is turned against its frame; {self._turn} brings both together: {cure}"
+
+    @property
+    def _turn(self) -> str:
+        """Its turn, in words."""
+        turn = np.zeros(3) if self.turn is None else self.turn
+        angle = float(np.linalg.norm(turn))
+        axis = ", ".join(f"{one:.2g}" for one in np.round(turn / max(angle, 1e-9), 2) + 0.0)
+        return f"a turn by {np.degrees(angle):.0f} degrees about its axis ({axis})"
+
+    @property
+    def _axes(self) -> str:
+        """Those of an orientation in a world with z down, in words."""
+        if self.turn is None or not np.any(self.turn):
+            return "its orientation is given in a world with its z axis down (NED)"
+        if np.allclose(np.abs(self.turn), [np.pi, 0.0, 0.0]):
+            return "its orientation is that of axes forward, right, down in a world likewise (NED)"
+        return f"its world has its z axis down (NED), and {self._turn} brings both together"
 
 
 def wrong_imu(
@@ -116,7 +136,10 @@ def wrong_imu(
     measured, modelled = np.concatenate(shown), np.concatenate(expected)
     turns = Rotation.create_group("O")
     off = np.array([_off(turn.apply(measured), modelled) for turn in turns])
+    down = np.array([_off(turn.apply(-measured), modelled) for turn in turns])
     now, best = _off(measured, modelled), int(np.argmin(off))
+    if now > LEAST_RAD and down.min() < CLOSED * min(now, off[best]):
+        return WrongMount(now, turns[int(np.argmin(down))].as_rotvec(), down=True)
     if now > LEAST_RAD and off[best] < CLOSED * now:
         return WrongMount(now, turns[best].as_rotvec())
     return WrongMount(now, None) if now > WRONG_RAD else None

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from shoecal_core.arrays import FloatArray
 from shoecal_core.recording.run import Run
 from shoecal_core.robot.joint_zeros import OpenLoop, open_loop
 from shoecal_core.robot.kinematics import Kinematics
@@ -59,18 +60,41 @@ def open_soles(
     Where no single joint explains it, both feet have to be known to carry load: else one may be in
     the air.
     """
-    found = {}
+    found, angles = {}, {}
     for number, one in aligned.items():
         run = runs[number]
         if run.info.hanging or (run.info.support is None and run.base_pose is not None):
             continue
         both = both_carry_load(shoe, one.readings)
         loaded = both is not None and bool(both.any())
-        loop = open_loop(kinematics, one.joint_angles[both] if loaded else one.joint_angles)
+        angles[number] = one.joint_angles[both] if loaded else one.joint_angles
+        loop = open_loop(kinematics, angles[number])
         if loop is not None and (
             loop.named(loaded=loaded) or (loaded and run.info.support is not None)
         ):
             found[number] = Soles(loop, loaded)
+    return _with_one_cause(kinematics, found, angles)
+
+
+def _with_one_cause(
+    kinematics: Kinematics, found: dict[int, Soles], angles: Mapping[int, FloatArray]
+) -> dict[int, Soles]:
+    """Runs with what explains all runs, or else all of those found; as they are where nothing does.
+
+    Args:
+        kinematics: of the robot.
+        found: soles that are not level, by run.
+        angles: (T, m) of all runs, by number [rad].
+    """
+    loaded = all(soles.loaded for soles in found.values())
+    for numbers in dict.fromkeys((tuple(angles), tuple(found))):
+        if not found or len(numbers) < 2:
+            break
+        cause = open_loop(kinematics, *(angles[number] for number in numbers))
+        if cause is not None and cause.named(loaded=loaded):
+            return {
+                number: Soles(soles.loop.by(cause), soles.loaded) for number, soles in found.items()
+            }
     return found
 
 

@@ -20,8 +20,13 @@ LEAN_RAD = 0.08
 """Of the base of a robot that shifts its weight."""
 
 
-def leaning(turn: Rotation, lean: float = LEAN_RAD) -> tuple[dict[int, Run], dict[int, Aligned]]:
-    """Runs of a base that leans to all sides over level soles, by an IMU turned by `turn`."""
+def leaning(
+    turn: Rotation, lean: float = LEAN_RAD, world: Rotation | None = None
+) -> tuple[dict[int, Run], dict[int, Aligned]]:
+    """Runs of a base that leans to all sides over level soles, by an IMU turned by `turn`, in a
+    world turned by `world`.
+    """
+    seen = world or Rotation.identity()
     whole = recording()
     runs, aligned = dict(whole.runs), dict(whole.aligned)
     for number, one in whole.aligned.items():
@@ -30,7 +35,7 @@ def leaning(turn: Rotation, lean: float = LEAN_RAD) -> tuple[dict[int, Run], dic
         states = replace(one.states, left_rotation=base.inv().as_matrix())
         aligned[number] = replace(one, states=states)
         nothing: FloatArray = np.zeros((len(one.time), 3))
-        imu = ImuSamples(one.time, "base", (base * turn).as_quat(), nothing, nothing)
+        imu = ImuSamples(one.time, "base", (seen * base * turn).as_quat(), nothing, nothing)
         runs[number] = replace(runs[number], imu=imu)
     return runs, aligned
 
@@ -63,6 +68,25 @@ def test_a_turn_by_right_angles_is_named(axis: str, degrees: float) -> None:
         Rotation.from_rotvec(wrong.turn).as_matrix(), turn.as_matrix(), atol=1e-9
     )
     assert f"a turn by {degrees:.0f} degrees about its axis" in wrong.text
+
+
+@pytest.mark.parametrize(
+    ("axis", "degrees", "said"),
+    [
+        ("x", 180.0, "that of axes forward, right, down in a world likewise (NED)"),
+        ("x", 0.0, "given in a world with its z axis down (NED)"),
+        ("z", 90.0, "its z axis down (NED), and a turn by"),
+    ],
+)
+@pytest.mark.parametrize("heading", [0.0, 120.0])
+def test_a_world_whose_z_axis_is_down(axis: str, degrees: float, said: str, heading: float) -> None:
+    down = Rotation.from_euler("zx", [heading, 180.0], degrees=True)
+    turn = Rotation.from_euler(axis, degrees, degrees=True)
+    wrong = wrong_imu(*leaning(turn, world=down))
+    assert isinstance(wrong, WrongMount)
+    assert wrong.down
+    assert said in wrong.text
+    assert "have its driver give x forward, y left and z up (REP-103)" in wrong.text
 
 
 def test_a_robot_that_does_not_lean_shows_no_turn_about_the_vertical() -> None:
