@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from core.drafting.drafts import ROBOTS, draft, edited
 from shoecal_core.drafting.draft import draft_robot
 from shoecal_core.drafting.notes import robot_notes
 from shoecal_core.errors import FileError
+from shoecal_core.robot.plausible_links import Link, check_links
 from shoecal_core.robot.robot_file import load_robot
 
 FRAME = """<link name="{0}"><inertial><mass value="{1}"/><inertia ixx="0.001" ixy="0" ixz="0"
@@ -176,3 +179,15 @@ def test_a_body_without_mass_is_to_be_checked(tmp_path: Path) -> None:
     found = [note.found for note in robot_notes(draft_robot(urdf, "wren"))]
     assert "link body has a shape and no mass." in found
     assert not any("no mass" in note.found for note in robot_notes(draft("wren")))
+
+
+def test_a_model_without_shapes_may_have_a_trunk_of_half_its_mass() -> None:
+    masses = {"trunk": 2.0, "left": 1.0, "right": 1.0}
+    links = [
+        Link(name, shaped=False, mass=mass, com=np.zeros(3), inertia=np.eye(3))
+        for name, mass in masses.items()
+    ]
+    check_links(Path("robot.urdf"), links, 0.4)
+    drawn = replace(links[1], shaped=True)
+    with pytest.raises(FileError, match="trunk: no shape, and 2 kg, as much as all other links"):
+        check_links(Path("robot.urdf"), [links[0], drawn, links[2]], 0.4)
