@@ -88,7 +88,8 @@ def screen(
         number: one for number, one in aligned.items() if runs[number].info.support is not None
     }
     jumps = zero_jumps(shoe, {number: runs[number] for number in double})
-    known = timing.explained or jumps  # what the CoP says of the clocks is that fault's
+    # Else what the CoP says of the clocks is that fault's.
+    known = timing.explained or jumps or legs.wrong
     found = Screening(
         findings=() if known else tuple(describe_time_offset(timing.late)),
         time_offset=timing.late,
