@@ -13,6 +13,7 @@ from scipy.optimize import minimize_scalar
 from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.level_soles import CLOSED_M, CLOSED_RAD, Postures, off_level
 from shoecal_core.robot.robot import Robot
+from shoecal_core.robot.urdf import ROOT_JOINTS
 
 BETTER = 0.5
 """Of the misfit as recorded, what a correction may leave."""
@@ -50,6 +51,10 @@ class Law(Enum):
     EXCHANGED = (
         "two joints are exchanged (best fit: {} at each other's place)",
         "exchange their names or cables",
+    )
+    LEGS = (
+        "the left and the right leg are exchanged (best fit: {} at each other's place)",
+        "exchange their names or the legs' cables",
     )
     SCALE = (
         "a joint's angle has another scale (best fit: {})",
@@ -111,7 +116,8 @@ def by_law(postures: Postures, constant: Sequence[int], least: float) -> Explain
     ]
     if not found:
         return Explained()
-    found.sort(key=lambda one: one.misfit)
+    # Where no hip rolls, exchanged legs look like turned signs of both yaws: cables are likelier.
+    found.sort(key=lambda one: (round(one.misfit, 3), one.law is not Law.LEGS))
     best = found[0]
     near = {
         one.name: one.factor
@@ -165,18 +171,28 @@ def _candidates(postures: Postures, constant: Sequence[int]) -> Iterator[_Candid
         exchanged[:, [one, other]] = postures.angles[:, [other, one]]
         pair = f"{names[one]} and {names[other]}"
         yield _Candidate(Law.EXCHANGED, pair, postures.changed(exchanged))
+    left, right = _legs(robot)
+    if len(left) == len(right):
+        exchanged = postures.angles.copy()
+        exchanged[:, left + right] = postures.angles[:, right + left]
+        yield _Candidate(Law.LEGS, "the joints of both legs", postures.changed(exchanged))
     for joint in constant:
         yield _Candidate(Law.FROZEN, names[joint], _moved(postures, joint))
 
 
 def _homologous(robot: Robot) -> list[tuple[int, int]]:
     """Joints at the same place in both legs, by index, that turn by motors of their own."""
-    left, right = robot.leg_chains
+    left, right = _legs(robot)
     on_shared = {joint for one in robot.shared for joint in (one.joint, one.leader)}
-    pairs = ((int(a) - 2, int(b) - 2) for a, b in zip(left, right, strict=False))
     if len(left) != len(right):
         return []
-    return [pair for pair in pairs if on_shared.isdisjoint(pair)]
+    return [pair for pair in zip(left, right, strict=True) if on_shared.isdisjoint(pair)]
+
+
+def _legs(robot: Robot) -> tuple[list[int], list[int]]:
+    """Joints of the left and the right leg, by index, from the hip to the foot."""
+    left, right = ([int(joint) - ROOT_JOINTS for joint in leg] for leg in robot.leg_chains)
+    return left, right
 
 
 def _times(postures: Postures, joints: Sequence[int], factor: float) -> Postures:

@@ -35,7 +35,7 @@ from shoecal_core.recording.imports.bag_match import (
 )
 from shoecal_core.recording.imports.mapping import ANGLE_UNIT, FORMAT
 from shoecal_core.recording.imports.replayed import describe_replayed
-from shoecal_core.recording.imports.standing import LEGS_EXCHANGED, find_feet, find_feet_exchanged
+from shoecal_core.recording.imports.standing import find_feet
 from shoecal_core.recording.joint_series import (
     JointSeries,
     Series,
@@ -235,9 +235,6 @@ def _stand(
     except JointsMissingError as error:
         return None, [*notes, str(error)]
     wrong = feet.wrong(stand=feet.loaded)
-    if not feet.explained and (wrong or feet.moves):
-        exchanged = find_feet_exchanged(kinematics, shoe, angles, readings)
-        wrong = wrong if exchanged is None else LEGS_EXCHANGED
     if wrong:
         return None, [*notes, wrong]
     return (None, [*notes, FEET_MOVE]) if feet.moves else (feet.support, notes)

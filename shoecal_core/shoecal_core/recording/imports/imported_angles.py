@@ -19,7 +19,6 @@ from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.imports.foreign import ImportedRun
 from shoecal_core.recording.imports.mapping import MappingHead
 from shoecal_core.recording.imports.standing import (
-    LEGS_EXCHANGED,
     Feet,
     find_feet,
     find_feet_exchanged,
@@ -55,8 +54,8 @@ def check_angles(head: MappingHead, runs: Sequence[ImportedRun]) -> list[Importe
         runs: as read.
 
     Raises:
-        RecordingError: for joints that are missing or have no angles, for angles in degrees, for
-            legs at each other's place, for angles and readings without a time in common, and for
+        RecordingError: for joints that are missing or have no angles, for angles in degrees,
+            for angles and readings without a time in common, and for
             what is stamped packet by packet.
         FieldError: for a support of the opposite sign than the joint angles give.
     """
@@ -217,25 +216,16 @@ def _exchanged(
     readings: Series,
     feet: Feet | None,
 ) -> bool:
-    """Whether the legs' angles under each other's names agree with the trial, and as recorded not.
-
-    That the feet stand still, too, as recorded leaves the support's sign as the cause.
-
-    Raises:
-        RecordingError: where only so the feet stand still and level.
+    """Whether the legs' angles under each other's names agree with the trial's support, though the
+    feet stand still and level as recorded, too.
     """
     given = run.trial.support
-    if feet is None or feet.explained:
+    if feet is None or given is None or not _apart(given, feet.support):
         return False
-    unlike = bool(feet.moves or feet.wrong(stand=given is not None))
-    if not unlike and (given is None or not _apart(given, feet.support)):
+    if feet.moves or feet.wrong(stand=True):
         return False
     other = find_feet_exchanged(kinematics, shoe, angles, readings)
-    if other is None or (given is not None and _apart(given, other.support)):
-        return False
-    if unlike:
-        raise RecordingError(run.source, LEGS_EXCHANGED)
-    return True
+    return other is not None and not _apart(given, other.support)
 
 
 def _check_packets(source: Path, angles: Series, readings: Series) -> None:

@@ -24,10 +24,6 @@ OUTER, OUTER_LOADED = 0.0, 15.0
 of which some are of a foot that is about to leave or to land."""
 LEAST_BOTH = 0.05
 """Of a recording, in which both feet carry load, from which they are looked at there alone."""
-LEGS_EXCHANGED = (
-    "the joint angles of the left and the right leg are exchanged: only with all of them at each "
-    "other's place do the feet stand still and level; exchange their names or the legs' cables"
-)
 
 
 @dataclass(frozen=True)
