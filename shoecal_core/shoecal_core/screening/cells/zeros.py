@@ -44,6 +44,9 @@ BOTH_AT_ZERO = 0.15
 """The same of the other foot, up to which it was zeroed, too."""
 CHANNEL_AT_ZERO = 0.01
 """The same of a channel by itself, which chance brings there sooner than all of a foot."""
+BEGIN_APART_M = 0.01
+"""By which the CoP is elsewhere at the start of runs in other postures: what each cell carries
+differs by a tenth and more then."""
 BESIDES = 0.3
 """Of a run's own wrench, what those of channels that start at zero leave at most: a load is carried
 elsewhere."""
@@ -220,8 +223,13 @@ def with_own(runs: Statics, free: Sequence[int]) -> tuple[dict[int, Equations], 
 
 
 def all_start_at_zero(runs: Mapping[int, Blocks]) -> bool:
-    """Whether each run in double support, of several, starts with all readings at zero."""
-    return len(runs) > 1 and all(bool((off <= AT_ZERO).all()) for off in starts(runs).values())
+    """Whether runs in double support start with all readings at zero, each in another posture.
+
+    In one and the same, zeros are those of a tare once before all runs, which does no harm.
+    """
+    begun = np.array([one.cop[0] for one in runs.values()])
+    apart = float(np.linalg.norm(np.ptp(begun, axis=0))) > BEGIN_APART_M
+    return apart and all(bool((off <= AT_ZERO).all()) for off in starts(runs).values())
 
 
 def describe_starts(shoe: Shoe) -> list[Finding]:

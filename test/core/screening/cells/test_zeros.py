@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -126,6 +127,10 @@ def test_a_tare_before_each_run_alike(shoe: str, verdict: str) -> None:
     assert all_start_at_zero(zeroed.statics.parts)
     assert not all_start_at_zero(whole.statics.parts)
     assert not all_start_at_zero(tared(whole, {1: 0.0, 3: 0.0}).statics.parts)
+    same = {
+        run: replace(one, cop=one.cop - one.cop[0]) for run, one in zeroed.statics.parts.items()
+    }
+    assert not all_start_at_zero(same)
     (finding,) = describe_starts(load_shoe(shoes.ROOT / "config/shoes" / f"{shoe}.yaml"))
     assert finding.verdict == verdict
     assert "all readings of both feet start at zero in each run" in finding.reason
