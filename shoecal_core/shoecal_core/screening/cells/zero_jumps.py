@@ -21,7 +21,7 @@ SLOWEST_S = 0.05
 USUAL = 0.9
 """Quantile of a signal's changes that counts as a usual one: whole steps of a coarse converter have
 it where the median change is none."""
-STEP = 15.0
+STEP = 20.0
 """Usual changes that a channel jumps by: where gears strike, most of a foot's make 5, a tare under
 load a hundred."""
 LEAST_SHARE = 0.25
@@ -76,11 +76,11 @@ def _jump(shoe: Shoe, run: Run, foot: int) -> float | None:
     window = round(WINDOW_S * run.readings.rate_hz)
     if run.readings.rate_hz < 1.0 / SLOWEST_S or len(time) < 4 * window:
         return None
-    change = value[2:] - value[:-2]
+    change = np.diff(value, axis=0)
     usual = np.quantile(np.abs(change), USUAL, axis=0) + 1e-12 * np.ptp(value, axis=0) + 1e-300
     at = int(np.argmax(np.median(np.abs(change) / usual, axis=1)))
     step = change[at]
-    before, after = value[max(0, at + 1 - window) : at + 1], value[at + 2 : at + 2 + window]
+    before, after = value[max(0, at + 1 - window) : at + 1], value[at + 1 : at + 1 + window]
     jumped = np.abs(step) > STEP * usual
     large = np.abs(step) > LEAST_SHARE * np.ptp(value, axis=0)
     if np.mean(jumped) <= MOST or not large.any() or min(len(before), len(after)) < window:
@@ -88,7 +88,7 @@ def _jump(shoe: Shoe, run: Run, foot: int) -> float | None:
     # A foot that is put down hard may jump as far, but neither at once nor to where it stays.
     stays = np.median(after, axis=0) - np.median(before, axis=0)
     off = np.stack((stays - step, np.ptp(before[-NEAR:], axis=0), np.ptp(after[:NEAR], axis=0)))
-    moves = np.ptp(value[at + 2 :], axis=0) > MOVES * usual
+    moves = np.ptp(value[at + 1 :], axis=0) > MOVES * usual
     if (np.abs(off) > STAYS * np.abs(step))[:, large].any() or not moves.any():
         return None
     return float(time[at + 1])
