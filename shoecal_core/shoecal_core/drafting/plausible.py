@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections import Counter
 from collections.abc import Iterator
 
@@ -12,6 +11,7 @@ import pinocchio as pin
 from shoecal_core.arrays import FloatArray
 from shoecal_core.drafting.body import Body
 from shoecal_core.drafting.legs import LegChains
+from shoecal_core.robot.joint_centres import leg_length
 from shoecal_core.robot.leg_masses import NOTABLE, unlike_masses
 from shoecal_core.robot.plausible_links import check_links, named, read_links
 from shoecal_core.robot.urdf import name_links
@@ -30,7 +30,7 @@ SAME_LIMIT = 0.05
 
 def doubts(body: Body, legs: LegChains) -> Iterator[str]:
     """Masses and inertias that may be right and mostly are not, in words."""
-    links, length = read_links(body.root), _leg_length(body, legs)
+    links, length = read_links(body.root), leg_length(body.centres, legs.chains[0])
     total = sum(link.mass for link in links)
     for link in links if any(one.shaped for one in links) else ():
         if not link.shaped and link.mass > HEAVY * total:
@@ -78,7 +78,7 @@ def check_size(body: Body, legs: LegChains) -> None:
     Raises:
         UrdfError: as `check_links`.
     """
-    check_links(body.urdf, read_links(body.root), _leg_length(body, legs))
+    check_links(body.urdf, read_links(body.root), leg_length(body.centres, legs.chains[0]))
 
 
 def crossed_limits(body: Body, legs: LegChains) -> list[tuple[int, int]]:
@@ -87,12 +87,6 @@ def crossed_limits(body: Body, legs: LegChains) -> list[tuple[int, int]]:
     The exporter of a mirrored leg has turned its axes but not its limits, or the other way round.
     """
     return [pair for pair in zip(*legs.chains, strict=True) if _crossed(body, legs, *pair)]
-
-
-def _leg_length(body: Body, legs: LegChains) -> float:
-    """From joint to joint [m]."""
-    steps = itertools.pairwise(body.centres[joint] for joint in legs.chains[0])
-    return float(sum(np.linalg.norm(after - before) for before, after in steps))
 
 
 def _crossed(body: Body, legs: LegChains, left: int, right: int) -> bool:

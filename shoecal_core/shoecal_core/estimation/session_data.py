@@ -203,6 +203,7 @@ def load_data(
         legs = examine_legs(loaded, there, shoe, kinematics, settings)
         screening = screen(loaded, there, shoe, robot.weight, settings, timing, legs)
         screening = _with_unmoved(screening, loaded, there, shoe, kinematics, settings)
+        hung = {number: path for number, path in hung.items() if number in aligned}
         screening = leave_out_hung(screening, hung, aligned)
     stances: dict[int, tuple[Stance, ...]] = dict.fromkeys(read, ())
     zeros: list[Zero] = []

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 import pinocchio as pin
@@ -58,6 +59,15 @@ def centres_of(model: pin.Model, placements: Sequence[pin.SE3]) -> tuple[FloatAr
                 break
             after = _only_child(model, after)
     return tuple(found)
+
+
+def leg_length(centres: Sequence[FloatArray], leg: Sequence[int]) -> float:
+    """From joint to joint [m].
+
+    Args:
+        centres: (3,) of every joint of the model. leg: joints from the hip to the foot.
+    """
+    return float(sum(np.linalg.norm(centres[b] - centres[a]) for a, b in pairwise(leg)))
 
 
 def _only_child(model: pin.Model, joint: int) -> int | None:

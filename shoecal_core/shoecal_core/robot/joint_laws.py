@@ -171,7 +171,7 @@ def _candidates(postures: Postures, constant: Sequence[int]) -> Iterator[_Candid
         exchanged[:, [one, other]] = postures.angles[:, [other, one]]
         pair = f"{names[one]} and {names[other]}"
         yield _Candidate(Law.EXCHANGED, pair, postures.changed(exchanged))
-    left, right = _legs(robot)
+    left, right = leg_joints(robot)
     if len(left) == len(right):
         exchanged = postures.angles.copy()
         exchanged[:, left + right] = postures.angles[:, right + left]
@@ -182,14 +182,14 @@ def _candidates(postures: Postures, constant: Sequence[int]) -> Iterator[_Candid
 
 def _homologous(robot: Robot) -> list[tuple[int, int]]:
     """Joints at the same place in both legs, by index, that turn by motors of their own."""
-    left, right = _legs(robot)
+    left, right = leg_joints(robot)
     on_shared = {joint for one in robot.shared for joint in (one.joint, one.leader)}
     if len(left) != len(right):
         return []
     return [pair for pair in zip(left, right, strict=True) if on_shared.isdisjoint(pair)]
 
 
-def _legs(robot: Robot) -> tuple[list[int], list[int]]:
+def leg_joints(robot: Robot) -> tuple[list[int], list[int]]:
     """Joints of the left and the right leg, by index, from the hip to the foot."""
     left, right = ([int(joint) - ROOT_JOINTS for joint in leg] for leg in robot.leg_chains)
     return left, right

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from itertools import pairwise
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -15,7 +14,7 @@ from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.errors import FieldError, FileMissingError
 from shoecal_core.file_kinds import kind_of, meant, wanted
 from shoecal_core.files import Fields, read_bytes, read_yaml, sha256
-from shoecal_core.robot.joint_centres import centres_of
+from shoecal_core.robot.joint_centres import centres_of, leg_length
 from shoecal_core.robot.leg_links import UNLIKE, unlike_links
 from shoecal_core.robot.plausible_links import check_links, read_links
 from shoecal_core.robot.robot import (
@@ -161,23 +160,24 @@ def _check_links(robot: Robot) -> None:
     """Refuse a URDF whose CoMs or masses have another unit, as exporters write them, or whose legs
     are unlike both in the zero pose and in the robot's posture.
     """
-    model = robot.model
-    data, found = model.createData(), []
-    standing = pin.neutral(model)
+    model, legs = robot.model, robot.leg_chains
+    zero, standing = pin.neutral(model), pin.neutral(model)
     standing[-len(robot.posture) :] = robot.posture
-    for pose in (standing, pin.neutral(model)):
-        pin.forwardKinematics(model, data, pose)
-        placements = [pin.SE3(placement) for placement in data.oMi]
-        found.append(unlike_links(model, placements, robot.leg_chains))
-    centres = centres_of(model, placements)
-    steps = pairwise(centres[joint] for joint in robot.leg_chains[0])
-    length = float(sum(np.linalg.norm(after - before) for before, after in steps))
+    length = leg_length(centres_of(model, _placements(model, zero)), legs[0])
     # read_urdf has refused document types, so no entity can unfold here.
     text = read_bytes(robot.urdf).decode("utf-8", errors="replace")
     check_links(robot.urdf, read_links(ElementTree.fromstring(text)), length)  # noqa: S314
+    found = [unlike_links(model, _placements(model, pose), legs) for pose in (standing, zero)]
     unlike = [one for one in found if one is not None and one.off > UNLIKE * one.length]
     if len(unlike) == len(found):
         raise UrdfError(robot.urdf, unlike[-1].text, field="joint origins")
+
+
+def _placements(model: pin.Model, pose: FloatArray) -> list[pin.SE3]:
+    """Of every joint in the base."""
+    data = model.createData()
+    pin.forwardKinematics(model, data, pose)
+    return [pin.SE3(placement) for placement in data.oMi]
 
 
 def _urdf_of(fields: Fields) -> Path:

@@ -9,6 +9,7 @@ import numpy as np
 from shoecal_core.arrays import BoolArray, FloatArray
 from shoecal_core.recording.joint_series import Series, postures, with_numbers
 from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.joint_laws import leg_joints
 from shoecal_core.robot.joint_zeros import OpenLoop, open_loop
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.level import standing_samples
@@ -99,7 +100,7 @@ def find_feet_exchanged(
         None where they would not stand still and level, or the legs have no joints in pairs.
     """
     robot = kinematics.robot
-    left, right = ([robot.joint_names[one - 2] for one in leg] for leg in robot.leg_chains)
+    left, right = ([robot.joint_names[joint] for joint in leg] for leg in leg_joints(robot))
     if len(left) != len(right) or not {*left, *right} <= set(angles):
         return None
     other = dict(zip([*left, *right], [*right, *left], strict=True))

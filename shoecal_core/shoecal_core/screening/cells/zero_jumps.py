@@ -70,7 +70,7 @@ def zero_jumps(shoe: Shoe, runs: Mapping[int, Run]) -> list[ZeroJump]:
 
 
 def _jump(shoe: Shoe, run: Run, foot: int) -> float | None:
-    own = shoe.foot == foot
+    own = shoe.of_foot(foot)
     good = np.isfinite(run.readings.value[:, own]).all(axis=1)
     time, value = run.readings.time[good], run.readings.value[good][:, own]
     window = round(WINDOW_S * run.readings.rate_hz)
