@@ -107,24 +107,28 @@ def check_links(urdf: Path, links: Sequence[Link], length: float) -> None:
 
 
 def read_links(root: ElementTree.Element) -> list[Link]:
-    """All that have a mass, of the elements of a URDF; NaN where something is missing."""
-    return [
-        Link(
+    """All that have a mass, of the elements of a URDF.
+
+    What is no number somewhere in an <inertial> leaves the link out: the parser of URDFs does so.
+    """
+    return [link for element in root.iter("link") if (link := _read_link(element)) is not None]
+
+
+def _read_link(link: ElementTree.Element) -> Link | None:
+    mass, origin = link.find("inertial/mass"), link.find("inertial/origin")
+    if mass is None:
+        return None
+    place = (origin.get("xyz") if origin is not None else None) or "0 0 0"
+    try:
+        return Link(
             link.get("name", ""),
             link.find("collision") is not None or link.find("visual") is not None,
-            float(mass.get("value", "nan")),
-            _com(link.find("inertial/origin")),
+            float(mass.get("value", "")),
+            np.array([float(part) for part in place.split()]),
             _inertia(link.find("inertial/inertia")),
         )
-        for link in root.iter("link")
-        if (mass := link.find("inertial/mass")) is not None
-    ]
-
-
-def _com(origin: ElementTree.Element | None) -> FloatArray:
-    """(3,) of a link in its frame [m]."""
-    place = (origin.get("xyz") if origin is not None else None) or "0 0 0"
-    return np.array([float(part) for part in place.split()])
+    except ValueError:
+        return None
 
 
 def _inertia(element: ElementTree.Element | None) -> FloatArray:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from core.drafting.drafts import ROBOTS, draft, edited
 from shoecal_core.drafting.draft import draft_robot
 from shoecal_core.drafting.notes import robot_notes
 from shoecal_core.errors import FileError
-from shoecal_core.robot.plausible_links import Link, check_links
+from shoecal_core.robot.plausible_links import Link, check_links, read_links
 from shoecal_core.robot.robot_file import load_robot
 
 FRAME = """<link name="{0}"><inertial><mass value="{1}"/><inertia ixx="0.001" ixy="0" ixz="0"
@@ -191,3 +192,15 @@ def test_a_model_without_shapes_may_have_a_trunk_of_half_its_mass() -> None:
     drawn = replace(links[1], shaped=True)
     with pytest.raises(FileError, match="trunk: no shape, and 2 kg, as much as all other links"):
         check_links(Path("robot.urdf"), [links[0], drawn, links[2]], 0.4)
+
+
+@pytest.mark.parametrize("broken", ['value="{}"', "", 'value="1,5"'])
+def test_a_link_whose_mass_is_no_number_has_none(broken: str) -> None:
+    """As in the parser of URDFs, whose reader says so; nothing ends in a traceback."""
+    inertial = '<inertial><mass {}/><origin xyz="0 0 0.1"/></inertial>'
+    robot = "".join(
+        f'<link name="{name}">{inertial.format(mass)}</link>'
+        for name, mass in (("trunk", 'value="2.0"'), ("shank", broken))
+    )
+    root = ElementTree.fromstring(f"<robot>{robot}</robot>")
+    assert [link.name for link in read_links(root)] == ["trunk"]

@@ -1,7 +1,8 @@
 """Zeros that jump in a run: a board that tares in its start-up code, or starts again.
 
 A robot that stands on both feet shifts its weight slowly. Between two samples the load of a foot
-hardly changes; where most of its channels jump at once and stay, their zeros did.
+hardly changes; where most of its channels jump at once to what a tared one reads, none, and stay,
+their zeros did.
 """
 
 from __future__ import annotations
@@ -34,6 +35,9 @@ STAYS = 0.3
 """Part of the jump by which what stays may be off it, and what is near it may change."""
 NEAR = 4
 """Samples before and after: what lands changes over several."""
+ZERO = 0.15
+"""Part of the jump that is read after it at most: a robot that starts with a jerk loads its feet
+otherwise within a sample, but leaves none of them without load."""
 MOVES = 10.0
 """Usual changes that a channel goes through afterwards: else the foot is in the air, or its cable
 off."""
@@ -90,6 +94,8 @@ def _jump(shoe: Shoe, run: Run, foot: int) -> float | None:
     off = np.stack((stays - step, np.ptp(before[-NEAR:], axis=0), np.ptp(after[:NEAR], axis=0)))
     moves = np.ptp(value[at + 1 :], axis=0) > MOVES * usual
     if (np.abs(off) > STAYS * np.abs(step))[:, large].any() or not moves.any():
+        return None
+    if (np.abs(np.median(after[:NEAR], axis=0)) > ZERO * np.abs(step))[large].any():
         return None
     return float(time[at + 1])
 

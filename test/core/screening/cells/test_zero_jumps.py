@@ -66,6 +66,17 @@ def test_a_robot_that_is_put_down_has_none(seconds: float) -> None:
     assert not zero_jumps(whole.shoe, whole.runs)
 
 
+def test_a_robot_that_starts_with_a_jerk_has_none() -> None:
+    """Within a sample the load goes elsewhere, by half of what each channel has in the run."""
+
+    def jerk(_: int, values: FloatArray) -> FloatArray:
+        share = np.resize([0.5, -0.5, 0.4, -0.6], values.shape[1])
+        values[500:] += share * np.ptp(values, axis=0)
+        return values
+
+    assert not zero_jumps(WHOLE.shoe, WHOLE.with_readings(jerk).runs)
+
+
 def test_a_cable_that_comes_off_is_another_fault() -> None:
     noise = np.random.default_rng(3).normal(0.0, 1e-4, (3000, 4))
 
