@@ -147,6 +147,12 @@ class Statics:
         error: FloatArray = self.settings.force_std_n * self.rows[run].off(vector)[0]
         return error
 
+    def trembling(self, run: int) -> float:
+        """Standard deviation of a block's vertical force by the noise of a run's readings [N]."""
+        part = self.parts[run]
+        gain = self.fit.parameters.gain
+        return float(np.linalg.norm(part.columns[:, 0] * gain * part.noise))
+
     def only(self, runs: Collection[int]) -> Statics:
         """Some of the runs, with the same prior."""
         parts = {run: one for run, one in self.parts.items() if run in runs}

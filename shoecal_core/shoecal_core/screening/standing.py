@@ -34,6 +34,7 @@ from shoecal_core.screening.cells.zeros import (
     moved_zeros,
 )
 from shoecal_core.screening.events import Watch, first_slips, leave_out_marked, leave_out_run
+from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.loads.hanging import both_hang, without
 from shoecal_core.screening.loads.pulled import describe_pulls, describe_wavering, pulls, wavering
 from shoecal_core.screening.loads.unexplained import describe_unexplained, unexplained
@@ -114,7 +115,9 @@ def screen_standing(
     found = found.adding(describe_pulls(list(pulled.values())) + describe_weights(wrong, weight))
     if found.fails:
         return found
-    found = found.adding(_minor(fitted, watched, bent))
+    drifts = any(one.fault == Fault.DRIFTING for one in found.findings)
+    # What a drift makes of the force is explained.
+    found = found.adding([] if drifts else _minor(fitted, watched, bent))
     fitting = [run for run in parts if run in unloaded.parts or run in pulled]
     watch = Watch(shoe, fitted.fit.parameters, weight, settings, ended)
     found = replace(found, load={run: watch.load(one) for run, one in aligned.items()})

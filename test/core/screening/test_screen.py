@@ -43,6 +43,13 @@ def test_nothing_is_said_of_clean_recordings(seed: int, bits: int) -> None:
     assert all(kept.mean() > 0.997 for kept in found.kept.values())
 
 
+@pytest.mark.parametrize("noise", [0.5, 1.0])
+@pytest.mark.parametrize("seed", range(3))
+def test_noise_is_no_force_from_outside(seed: int, noise: float) -> None:
+    found = screened(recording(seed, noise=noise))
+    assert {one.fault for one in found.findings} <= {Fault.SPIKE}
+
+
 # ---- a cell or a cable: the session is refused ------------------------------------------------
 
 

@@ -198,7 +198,10 @@ def check_accuracy(
         limit: of the model; None for a robot that stands.
         given: name of a calibration that was not fitted here, so that it may be of other shoes.
     """
-    cure = "check the robot's weight, the shoe file and that nothing touched the robot"
+    cure = (
+        "check the robot's weight, the shoe file, the noise of readings and that nothing touched "
+        "the robot"
+    )
     if given:
         cure = f"see that calibration '{given}' is of these shoes and unedited; else {cure}"
     width = min(foot.half_width for foot in robot.feet)

@@ -2,7 +2,7 @@
 
 In each run alone gains and offsets follow such a drift; over all runs it has one course s(t). Two
 kinds are fitted to the equations of all runs, and the one that explains them is named:
-    sum_i A_i (g_i S_i (1 + a s(t)) + d_i) = w - b      all gains alike, as of one supply
+    sum_i A_i (g_i S_i (1 + a s(t)) + d_i) = w - b      gains alike, of both feet or of one
     sum_i A_i (g_i S_i + d_i + z_i s(t)) = w - b        zeros, each by its own size
 The plane that four cells of a rigid sole keep to (`planes`) shows zeros whose sum stays, too.
 """
@@ -35,6 +35,9 @@ PLATE_LEFT, PLATE_LEAST = 0.4, 0.005
 """Of how far the cells of a rigid sole are off their plane (RMS), what a drift leaves at most; and
 by how much of the weight a zero drifts then. Boards that warm up leave 0.03 to 0.07, sound
 recordings 1.0."""
+ONE_FOOT = 0.5
+"""Of what a drift of both feet's gains leaves, that one foot's leaves at most: its course has as
+many unknowns."""
 LARGEST_GAIN = 0.1
 """Standard deviation of a common drift of gains, as a share."""
 REFUSED_GROWTH, REFUSED_SHARE = 0.05, 0.02
@@ -47,16 +50,18 @@ class Drift:
     """A drift over the session.
 
     Attributes:
-        readings: by which share all of them grow alike; 0 where zeros drift.
+        readings: by which share they grow alike; 0 where zeros drift.
         zero: by how much one zero drifts at least [N]; 0 where all readings do.
         constant: with which it fades [s]; 0: it does not.
         feet: indices of those whose cells show it by their plane.
+        foot: index of the one whose readings grow; None: both.
     """
 
     readings: float = 0.0
     zero: float = 0.0
     constant: float = 0.0
     feet: tuple[int, ...] = ()
+    foot: int | None = None
 
 
 def drifting(statics: Statics, starts: Mapping[int, float]) -> Drift | None:
@@ -71,38 +76,74 @@ def drifting(statics: Statics, starts: Mapping[int, float]) -> Drift | None:
     longest = max(float(one[-1]) for one in time.values())
     constants = [0.0, *(one for one in CONSTANTS_S if one < longest / 2.0)]
     courses = [{run: _course(at, one, longest) for run, at in time.items()} for one in constants]
-    fits = [_fits(statics, course) for course in courses]
-    gains = min(range(len(fits)), key=lambda at: fits[at][0].cost)
-    zeros = min(range(len(fits)), key=lambda at: fits[at][1].cost)
-    none, least = statics.fit.cost, fits[zeros][1].cost
+    fits = [_fit_zeros(statics, course) for course in courses]
+    zeros = min(range(len(fits)), key=lambda at: fits[at].cost)
+    none, least = statics.fit.cost, fits[zeros].cost
     explained = min(LEFT * none, none - LEAST_DROP)
-    if fits[gains][0].cost < min(explained, GAINS_ALIKE * least):
-        return Drift(-float(fits[gains][0].vector[-1]), constant=constants[gains])
+    alike = _gains_alike(statics, courses)
+    if alike.cost < min(explained, GAINS_ALIKE * least):
+        return Drift(alike.share, constant=constants[alike.course], foot=alike.foot)
     plates = [_off_plane(statics, foot, courses) for foot in range(len(FEET))]
     feet = tuple(foot for foot, one in enumerate(plates) if one is not None)
     zero = max((one[0] for one in plates if one is not None), default=0.0)
     at = next((one[1] for one in plates if one is not None), zeros)
     if least < explained:
         vertical = np.flatnonzero(statics.shoe.vertical) - len(statics.shoe.names)
-        zero = max(zero, abs(float(fits[zeros][1].vector[vertical].sum())))
+        zero = max(zero, abs(float(fits[zeros].vector[vertical].sum())))
     elif not feet:
         return None
     return Drift(zero=zero, constant=constants[at], feet=feet)
 
 
-def _fits(statics: Statics, course: Mapping[int, FloatArray]) -> tuple[RoughFit, RoughFit]:
-    """With a drift of all gains, and with drifts of zeros, by a course (B,) of each run."""
+@dataclass(frozen=True)
+class _GainsAlike:
+    """Gains that drift alike.
+
+    Attributes:
+        cost: sum of squares that is left.
+        share: by which the readings grow.
+        course: index.
+        foot: index of the only one; None: both.
+    """
+
+    cost: float
+    share: float
+    course: int
+    foot: int | None
+
+
+def _gains_alike(statics: Statics, courses: Sequence[Mapping[int, FloatArray]]) -> _GainsAlike:
+    """The drift of gains that leaves least, by the courses (B,) of each run."""
+    best = {}
+    for foot in (None, *range(len(FEET))):
+        fits = [_fit_gains(statics, course, foot) for course in courses]
+        at = min(range(len(fits)), key=lambda index: fits[index].cost)
+        best[foot] = _GainsAlike(fits[at].cost, -float(fits[at].vector[-1]), at, foot)
+    one = min((best[foot] for foot in range(len(FEET))), key=lambda found: found.cost)
+    # What one foot's readings grow by lets both seem to grow half as much.
+    return one if one.cost < ONE_FOOT * best[None].cost else best[None]
+
+
+def _fit_gains(statics: Statics, course: Mapping[int, FloatArray], foot: int | None) -> RoughFit:
+    """With a drift of all gains, or those of one foot, by a course (B,) of each run."""
     n, gain = len(statics.shoe.names), statics.fit.parameters.gain
-    gains, zeros = {}, {}
+    if foot is not None:
+        gain = np.where(statics.shoe.foot == foot, gain, 0.0)
+    rows = {}
     for run, one in statics.robust.items():
         scaled = (one.matrix[:, :, :n] * gain).sum(axis=2)
-        gains[run] = one.with_columns((scaled * course[run])[:, :, None])
-        zeros[run] = one.with_columns(one.matrix[:, :, n:] * course[run][:, None])
-    information = statics.information
-    return (
-        solve(gains, np.append(information, LARGEST_GAIN**-2.0)),
-        solve(zeros, np.append(information, information[n:])),
-    )
+        rows[run] = one.with_columns((scaled * course[run])[:, :, None])
+    return solve(rows, np.append(statics.information, LARGEST_GAIN**-2.0))
+
+
+def _fit_zeros(statics: Statics, course: Mapping[int, FloatArray]) -> RoughFit:
+    """With drifts of zeros, by a course (B,) of each run."""
+    n, information = len(statics.shoe.names), statics.information
+    rows = {
+        run: one.with_columns(one.matrix[:, :, n:] * course[run][:, None])
+        for run, one in statics.robust.items()
+    }
+    return solve(rows, np.append(information, information[n:]))
 
 
 def _off_plane(
@@ -153,7 +194,14 @@ def describe_drift(found: Drift, weight: float) -> list[Finding]:
     """A drift over the session, under a weight [N]."""
     fades = f", ever slower (time constant about {found.constant:.0f} s)" if found.constant else ""
     change = f"{'grow' if found.readings > 0.0 else 'fade'} alike, by {abs(found.readings):.0%}"
-    if found.readings and found.constant:
+    if found.foot is not None:
+        text = (
+            f"all readings of the {FEET[found.foot]} foot {change} from the first run on{fades}, "
+            "those of the other foot do not: its cells creep, its board warms up or its supply "
+            "changes; let the robot stand with the power on for some minutes before the first "
+            "run, see to that foot's supply, then record again"
+        )
+    elif found.readings and found.constant:
         text = (
             f"all readings {change} from the first run on{fades}: cells that creep under a load "
             "that has just come on, or an amplifier that warms up; let the robot stand with the "
@@ -171,5 +219,6 @@ def describe_drift(found: Drift, weight: float) -> list[Finding]:
             "were just switched on, or cells that get warm or wet; leave the power on for some "
             "minutes before the first run, then record again"
         )
-    refused = abs(found.readings) >= REFUSED_GROWTH or found.zero >= REFUSED_SHARE * weight
+    alike = abs(found.readings) / (1 if found.foot is None else len(FEET))  # of the whole force
+    refused = alike >= REFUSED_GROWTH or found.zero >= REFUSED_SHARE * weight
     return [Finding("FAIL" if refused else "WARN", text, Fault.DRIFTING)]

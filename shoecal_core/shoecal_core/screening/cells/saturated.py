@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shoecal_core.arrays import BoolArray, FloatArray
+from shoecal_core.arrays import BoolArray, FloatArray, IntArray
 from shoecal_core.recording.run import Readings
 from shoecal_core.recording.schemas import SATURATED
 from shoecal_core.samples.aligned import Aligned
@@ -47,6 +47,9 @@ SCATTER_STDS = 2.5
 the cell is away from its extreme, for one visit there; of several visits the mean counts."""
 LEAST_S = 0.6
 """Time at the extreme from which missing force counts [s]."""
+BESIDE, COMES_SHARE = 5, 0.5
+"""Blocks before and after a visit to an extreme, and what part of the missing force is to come with
+the visit and go with it: a gain that drifts lets as much be missing on both sides."""
 NEIGHBOURS_SHARE = 0.5
 """Of its range, that a neighbour goes through while a cell at its end stays there: preloaded ones
 came to 0.98 and more. While a sound cell turns round, or its foot hangs, it is 0.02."""
@@ -165,7 +168,9 @@ def saturated(
     readings = np.concatenate([blocks.readings for blocks in runs.values()])
     noise = np.max([blocks.noise for blocks in runs.values()], axis=0)
     # A run under another weight is off all the time.
-    error = np.concatenate([force_error[run] - np.median(force_error[run]) for run in runs])
+    errors = [force_error[run] - np.median(force_error[run]) for run in runs]
+    error = np.concatenate(errors)
+    ends = np.cumsum([len(one) for one in errors])
     period = float(np.median([blocks.period for blocks in runs.values()]))
     trembling = float(np.linalg.norm(gain * noise))
     least = max(MISSING_STDS * settings.force_std_n, TREMBLING_STDS * trembling)
@@ -176,15 +181,45 @@ def saturated(
             there = np.abs(values - level) <= AT_END_STDS * noise[channel]
             if there.sum() * period < LEAST_S:
                 continue
-            outwards = float(np.sign(gain[channel])) * side
-            missing = -outwards * float(np.median(error[there]))
+            lacking = -float(np.sign(gain[channel])) * side * error
+            missing = float(np.median(lacking[there]))
             scatter = 0.0 if there.all() else float(spread(error[~there]))
             visits = 1 + int(np.count_nonzero(np.diff(np.flatnonzero(there)) > 1))
-            if missing > max(least, SCATTER_STDS * scatter / np.sqrt(visits)):
+            if missing > max(least, SCATTER_STDS * scatter / np.sqrt(visits)) and _comes(
+                lacking, there, ends
+            ):
                 force = float(gain[channel] * level + parameters.offset[channel])
                 share = float(there.mean())
                 found.append(Saturated(channel, level, side, missing, share, force))
     return found
+
+
+def _comes(lacking: FloatArray, there: BoolArray, ends: IntArray) -> bool:
+    """Whether most of the missing force comes and goes with the visits to an extreme.
+
+    Args:
+        lacking: (B,) force that is missing [N].
+        there: (B,) at the extreme.
+        ends: of each run, one behind its last block.
+    """
+    rises, sizes = list[float](), list[float]()
+    for first, last in _visits(there, ends):
+        start, end = (int(ends[ends <= first].max(initial=0)), int(ends[ends > first].min()))
+        sides = (lacking[max(start, first - BESIDE) : first], lacking[last : last + BESIDE])
+        sides = (sides[0], sides[1][: end - last])
+        visit = lacking[first:last][there[first:last]]
+        beside = [float(np.median(side)) for side in sides if len(side)]
+        rises.append(float(np.median(visit)) - max(beside, default=0.0))
+        sizes.append(float(np.median(visit)))
+    return float(np.median(rises)) > COMES_SHARE * float(np.median(sizes))
+
+
+def _visits(there: BoolArray, ends: IntArray) -> list[tuple[int, int]]:
+    """First block and one behind the last of each visit; short leaves are part of one."""
+    at = np.flatnonzero(there)
+    run = np.searchsorted(ends, at, side="right")
+    parted = np.flatnonzero((np.diff(at) > BESIDE) | (np.diff(run) > 0)) + 1
+    return [(int(one[0]), int(one[-1]) + 1) for one in np.split(at, parted)]
 
 
 def describe_saturated(shoe: Shoe, found: Sequence[Saturated]) -> list[Finding]:

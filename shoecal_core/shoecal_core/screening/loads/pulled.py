@@ -85,7 +85,12 @@ def wavering(statics: Statics, watched: Collection[int]) -> Wavering | None:
     """
     off = {run: _off(run, statics) for run in statics.parts}
     most = WAVERS_SHARE * statics.weight
-    so = [run for run, force in off.items() if np.sqrt((force**2).mean()) > most]
+    # What cells tremble by is no force on the robot.
+    so = [
+        run
+        for run, force in off.items()
+        if (force**2).mean() - statics.trembling(run) ** 2 > most**2
+    ]
     if not 2 * len(set(so) & set(watched)) > len(watched):
         return None
     spans = [float(np.ptp(np.quantile(off[run], (0.025, 0.975)))) for run in so]

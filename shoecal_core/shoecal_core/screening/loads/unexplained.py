@@ -16,10 +16,15 @@ simulated and real, those with noisy six-axis sensors to 0.9; amplifiers that tr
 
 def unexplained(statics: Statics) -> float:
     """By how much the vertical forces vary about the weight (RMS) [N]; 0 where it is little."""
-    rows = statics.robust.values()
-    squares = sum(one.force_squares(statics.fit.vector) for one in rows)
-    stds = float(np.sqrt(squares / sum(float(one.weight.sum()) for one in rows)))
-    return statics.settings.force_std_n * stds if stds > LIMIT_STDS else 0.0
+    rows, std = statics.robust, statics.settings.force_std_n
+    squares = sum(one.force_squares(statics.fit.vector) for one in rows.values())
+    # The noise of readings explains as much as it adds.
+    squares -= sum(
+        float(one.weight.sum()) * (statics.trembling(run) / std) ** 2 for run, one in rows.items()
+    )
+    count = sum(float(one.weight.sum()) for one in rows.values())
+    stds = float(np.sqrt(max(squares, 0.0) / count))
+    return std * stds if stds > LIMIT_STDS else 0.0
 
 
 def describe_unexplained(size: float) -> list[Finding]:

@@ -10,6 +10,7 @@ from core.screening.test_screen import screened
 from shoecal_core.arrays import FloatArray
 from shoecal_core.screening.cells.drifting import Drift, drifting
 from shoecal_core.screening.faults import Fault
+from shoecal_core.shoe.shoe import FEET
 
 COUNT = 4
 TOGETHER = dict.fromkeys(range(1, COUNT + 1), 0.0)
@@ -51,6 +52,24 @@ def test_a_supply_that_changes(share: float) -> None:
     assert drift is not None
     assert drift.readings == pytest.approx(share, rel=0.35)
     assert drift.constant == 0.0
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("foot", [0, 1])
+def test_one_foot_whose_readings_grow(seed: int, foot: int) -> None:
+    """Both seem to grow half as much, and both do not."""
+    whole = recording(seed, count=COUNT)
+    grows = (whole.shoe.foot == foot).astype(float)
+    spoilt = whole.with_readings(
+        lambda run, values: values * (1.0 + 0.08 * course(run)[:, None] * grows)
+    )
+    drift = found(spoilt)
+    assert drift is not None
+    assert drift.foot == foot
+    assert drift.readings == pytest.approx(0.08, rel=0.35)
+    (finding,) = screened(spoilt).findings
+    assert (finding.verdict, finding.fault) == ("WARN", Fault.DRIFTING)
+    assert f"all readings of the {FEET[foot]} foot grow alike" in finding.reason
 
 
 @pytest.mark.parametrize("seed", range(3))
