@@ -193,7 +193,8 @@ def check_robot(deviations: Sequence[FittedDeviation]) -> list[Finding]:
         found.append(f"{text.format(place, scale * abs(one.value))} ({times:.0f} tolerances)")
     zeros = sum(one.deviation.effect == "joint_offset" for _, one in far)
     many = (
-        f" ({zeros} zeros at once: a link of the legs is rather longer or shorter than in the URDF)"
+        f" ({zeros} zeros at once: gears that give, or a link of the legs longer or shorter than "
+        "in the URDF, look so)"
         if zeros >= MANY_ZEROS
         else ""
     )

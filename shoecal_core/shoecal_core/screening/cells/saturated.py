@@ -47,7 +47,7 @@ SCATTER_STDS = 2.5
 the cell is away from its extreme, for one visit there; of several visits the mean counts."""
 LEAST_S = 0.6
 """Time at the extreme from which missing force counts [s]."""
-BESIDE, COMES_SHARE = 5, 0.5
+AROUND, COMES_SHARE = 5, 0.5
 """Blocks before and after a visit to an extreme, and what part of the missing force is to come with
 the visit and go with it: a gain that drifts lets as much be missing on both sides."""
 NEIGHBOURS_SHARE = 0.5
@@ -205,11 +205,11 @@ def _comes(lacking: FloatArray, there: BoolArray, ends: IntArray) -> bool:
     rises, sizes = list[float](), list[float]()
     for first, last in _visits(there, ends):
         start, end = (int(ends[ends <= first].max(initial=0)), int(ends[ends > first].min()))
-        sides = (lacking[max(start, first - BESIDE) : first], lacking[last : last + BESIDE])
+        sides = (lacking[max(start, first - AROUND) : first], lacking[last : last + AROUND])
         sides = (sides[0], sides[1][: end - last])
         visit = lacking[first:last][there[first:last]]
-        beside = [float(np.median(side)) for side in sides if len(side)]
-        rises.append(float(np.median(visit)) - max(beside, default=0.0))
+        around = [float(np.median(side)) for side in sides if len(side)]
+        rises.append(float(np.median(visit)) - max(around, default=0.0))
         sizes.append(float(np.median(visit)))
     return float(np.median(rises)) > COMES_SHARE * float(np.median(sizes))
 
@@ -218,7 +218,7 @@ def _visits(there: BoolArray, ends: IntArray) -> list[tuple[int, int]]:
     """First block and one behind the last of each visit; short leaves are part of one."""
     at = np.flatnonzero(there)
     run = np.searchsorted(ends, at, side="right")
-    parted = np.flatnonzero((np.diff(at) > BESIDE) | (np.diff(run) > 0)) + 1
+    parted = np.flatnonzero((np.diff(at) > AROUND) | (np.diff(run) > 0)) + 1
     return [(int(one[0]), int(one[-1]) + 1) for one in np.split(at, parted)]
 
 

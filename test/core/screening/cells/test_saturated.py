@@ -16,7 +16,7 @@ COUNT, TURN = 100, 50
 
 def found(readings: FloatArray, error: FloatArray) -> list[Saturated]:
     """Of a cell with readings (B,) [N], where the sum of forces is off by (B,) [N]."""
-    time = BLOCK_S * np.arange(COUNT)
+    time: FloatArray = BLOCK_S * np.arange(COUNT, dtype=np.float64)
     part = Blocks(
         time,
         readings[:, None],
