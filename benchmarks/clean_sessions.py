@@ -28,7 +28,7 @@ from shoecal_core.planning.motion_sets import PlannedRun
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.draw import draw_supports
 from shoecal_core.robot.robot_file import load_robot
-from shoecal_core.shoe.shoe import load_shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 from shoecal_core.workflows.simulated_session import SimulationPlan, simulate_session
 from shoecal_core.workspace import config_dir
 

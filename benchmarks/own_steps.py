@@ -35,7 +35,7 @@ from shoecal_core.planning.supports.feasible import Feasible
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot
-from shoecal_core.shoe.shoe import load_shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.simulation.robot import RobotFellError, SimulatedRobot
 from shoecal_core.simulation.sampled_robot import draw

@@ -21,7 +21,8 @@ from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.screening.settings import PAPER, CalibrationSettings
 from shoecal_core.shoe.sensing import Sensing
-from shoecal_core.shoe.shoe import Shoe, load_shoe
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.workflows.calibrate import calibrate_session
 from shoecal_core.workflows.evaluation import MEASURED, MODELLED, REFERENCE, compare_data

@@ -30,7 +30,7 @@ from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.draw import draw_supports
 from shoecal_core.planning.supports.feasible import Feasible
 from shoecal_core.robot.robot_file import load_robot
-from shoecal_core.shoe.shoe import load_shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 from shoecal_core.workspace import config_dir
 
 OURS = "shoecal"

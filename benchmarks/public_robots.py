@@ -25,7 +25,7 @@ from shoecal_core.recording.session import Session
 from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot_file import load_robot
-from shoecal_core.shoe.shoe import load_shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 
 PAGE = ROOT / "docs" / "evidence" / "robots.md"
 TRAIN = 3

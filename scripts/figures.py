@@ -32,7 +32,7 @@ from shoecal_core.report.svg import SMALL, canvas
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot_file import load_robot, shoe_file_of
 from shoecal_core.screening.settings import CalibrationSettings
-from shoecal_core.shoe.shoe import load_shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 from shoecal_core.workflows.calibrate import calibrate_session
 
 ROOT = Path(__file__).resolve().parents[1]

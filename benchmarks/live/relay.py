@@ -22,7 +22,7 @@ from rclpy.node import Node
 from shoecal_msgs.msg import ShoeVoltages
 
 from live.spinning import spin
-from shoecal_core.shoe.shoe import load_shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 from shoecal_core.workspace import config_dir
 from shoecal_ros.common import qos
 from shoecal_ros.serial.protocol import DELIMITER

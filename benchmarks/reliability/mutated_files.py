@@ -20,7 +20,7 @@ from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.robot.urdf import UrdfError, read_urdf
 from shoecal_core.screening.settings import CalibrationSettings
-from shoecal_core.shoe.shoe import load_shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_ros.serial.config import load_driver_config
 

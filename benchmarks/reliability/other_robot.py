@@ -22,7 +22,7 @@ from reliability.tries import BrokenError, run_tries
 from shoecal_core.errors import FileError, ShoecalError, error_code
 from shoecal_core.files import sha256
 from shoecal_core.recording.session import ROBOT, SHOE, URDF, Session
-from shoecal_core.shoe.shoe import load_shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 from shoecal_ros.calibrator.calibration_store import CalibrationStore
 
 OTHERS = {ROBOT: "robots/wren.yaml", URDF: "robots/wren.urdf", SHOE: "shoes/wren_shoe.yaml"}

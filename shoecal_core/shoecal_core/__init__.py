@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from shoecal_core.robot.double_support import DoubleSupport
     from shoecal_core.robot.kinematics import Kinematics
     from shoecal_core.robot.robot_file import load_robot
-    from shoecal_core.shoe.shoe import load_shoe
+    from shoecal_core.shoe.shoe_file import load_shoe
     from shoecal_core.simulation.robot import SimulatedRobot
     from shoecal_core.workflows.calibrate import calibrate_session
     from shoecal_core.workflows.evaluation import evaluate_session
@@ -60,7 +60,7 @@ _MODULES = {
     "interpolate_joints": "recording.align",
     "load_calibration": "estimation.calibration",
     "load_robot": "robot.robot_file",
-    "load_shoe": "shoe.shoe",
+    "load_shoe": "shoe.shoe_file",
     "save_calibration": "estimation.calibration",
 }
 

@@ -27,7 +27,7 @@ from shoecal_core.parameter_file import load_settings
 from shoecal_core.progress import Progress
 from shoecal_core.recording.session import Session
 from shoecal_core.screening.settings import CalibrationSettings
-from shoecal_core.shoe.shoe import load_shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.workspace import config_dir
 from shoecal_ros.demonstration.conductor import Conductor

@@ -32,7 +32,7 @@ from shoecal_core.recording.session import Session
 from shoecal_core.recording.writer import RunWriter
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.robot.urdf import read_urdf
-from shoecal_core.shoe.shoe import load_shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 from shoecal_core.workspace import config_dir
 
 SOURCES = Path(__file__).parents[2]

@@ -20,7 +20,7 @@ from shoecal_core.recording.recover import recover
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.robot_file import load_robot, shoe_file_of
 from shoecal_core.robot.urdf import read_urdf
-from shoecal_core.shoe.shoe import load_shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 
 ROBOT = ROOT / "config/robots/nao.yaml"
 SHOE = FILES["nao_shoe"]

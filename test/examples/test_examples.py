@@ -22,7 +22,7 @@ from shoecal_core.estimation.calibration import load_calibration
 from shoecal_core.files import read_yaml
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot_file import load_robot
-from shoecal_core.shoe.shoe import load_shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 LONGEST = 60

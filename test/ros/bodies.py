@@ -11,7 +11,8 @@ from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot
-from shoecal_core.shoe.shoe import Shoe, load_shoe
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 
 ROOT = Path(__file__).parents[2]

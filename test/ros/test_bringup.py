@@ -23,7 +23,7 @@ from reference.launch_files import arguments as listed
 from ros.bodies import ODD, ODD_SHOE
 from ros.world import World
 from shoecal_core.errors import ShoecalError
-from shoecal_core.shoe.shoe import load_shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 from shoecal_core.workspace import config_dir, ros_environment
 from shoecal_ros.bringup import (
     NodeToStart,

@@ -23,7 +23,7 @@ from ros.bodies import NAO_SHOE, nao_shoe
 from ros.world import END_S, World
 from shoecal_core.cli.manual_guide_frames import LineFrame, LineProblem
 from shoecal_core.cli.manual_guide_streams import FrameStream, driver_stream
-from shoecal_core.shoe.shoe import load_shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 from shoecal_core.workspace import ros_environment
 from shoecal_ros.common.conversions import voltages_to_ros
 from shoecal_ros.common.voltage_frame import VoltageFrame

@@ -17,7 +17,7 @@ from shoecal_core.recording.imports.bag_import import import_bags
 from shoecal_core.recording.imports.csv_import import import_csv
 from shoecal_core.recording.session import Session, require_free
 from shoecal_core.robot.robot_file import load_robot
-from shoecal_core.shoe.shoe import load_shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 
 CSV, BAG, DRAFT = "csv", "bag", "draft"
 

@@ -51,7 +51,8 @@ from shoecal_core.report.calibration.manual_report import (
 from shoecal_core.report.next_step import after_calibration, after_cells
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot
-from shoecal_core.shoe.shoe import FEET, Shoe, load_shoe
+from shoecal_core.shoe.shoe import FEET, Shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 from shoecal_core.shoe.wrench import foot_wrenches
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.workflows.simulated_manual import simulate_manual

@@ -32,7 +32,8 @@ from shoecal_core.report.weak_table import weak_lines
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot
-from shoecal_core.shoe.shoe import Shoe, load_shoe
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 
 PLAN = "plan.json"
 _OWN = re.compile(r"motion_\d{3,}\.(csv|svg)|plan\.html")

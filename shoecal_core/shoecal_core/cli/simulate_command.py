@@ -23,7 +23,7 @@ from shoecal_core.recording.session import require_free
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot
-from shoecal_core.shoe.shoe import load_shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.simulation.sampled_robot import draw
 from shoecal_core.workflows.simulated_session import SimulationPlan, simulate_session

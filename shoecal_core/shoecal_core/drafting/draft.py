@@ -45,7 +45,8 @@ from shoecal_core.robot.link_shapes import Shapes, find_shapes
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.robot.urdf import UrdfError, is_limitless
-from shoecal_core.shoe.shoe import Shoe, load_shoe
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 
 SENSING = (0.65, 0.6)
 """Length and width of the sensing polygon over the outline's, as on robots that are known: models

@@ -19,8 +19,6 @@ from scipy.linalg import solve_triangular
 
 from shoecal_core.arrays import FloatArray, IntArray
 from shoecal_core.error_sources.deviation import Deviation
-from shoecal_core.screening.settings import JOINT, PAPER, CalibrationSettings
-from shoecal_core.settings import SettingError
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import (
     ChannelParameters,
@@ -34,21 +32,6 @@ GAIN_DRIFT = 0.005
 """How far gains may have moved since, as a share of them; cells' data sheets state less a year."""
 STEADY_SHARE, STEADY_ZERO_N = 0.0002, 0.003
 """The same of gains and zeros of shoes that are as they were: less than weights on them show."""
-
-
-def require_prior_counts(settings: CalibrationSettings) -> None:
-    """Refuse a manual calibration under a method that would ignore it.
-
-    Raises:
-        SettingError: of a method without a prior.
-    """
-    if settings.method == PAPER:
-        raise SettingError(
-            "method",
-            f"{PAPER} fits gains and offsets alone, so the manual calibration would be ignored: "
-            f"calibrate with the method {JOINT}, or without the manual calibration (--manual of "
-            "the command, manual_file of the node)",
-        )
 
 
 class Since(Enum):

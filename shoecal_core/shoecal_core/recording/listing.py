@@ -5,9 +5,10 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+from shoecal_core.errors import ShoecalError
 from shoecal_core.files import Fields
 from shoecal_core.recording.writer import PART
-from shoecal_core.robot.double_support import DoubleSupport, read_support
+from shoecal_core.robot.double_support import DoubleSupport
 
 HINTS = ("", "train", "test")
 """What a run may be meant for."""
@@ -58,6 +59,18 @@ def read_listed(item: Fields) -> ListedRun:
         support=read_support(item),
         hint=item.choice("set", dict.fromkeys(HINTS)),
     )
+
+
+def read_support(fields: Fields) -> DoubleSupport | None:
+    """`support`, three numbers of a file; None without it. FileError where they are wrong."""
+    key = "support"
+    if key not in fields:
+        return None
+    numbers = fields.array(key, (3,))
+    try:
+        return DoubleSupport(*map(float, numbers))
+    except ShoecalError as error:
+        raise fields.error(key, str(error)) from error
 
 
 def run_file(run: int) -> str:

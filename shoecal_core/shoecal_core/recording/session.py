@@ -34,7 +34,8 @@ from shoecal_core.recording.truth import TruthWriter
 from shoecal_core.recording.writer import RunWriter
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot_file import SESSION_FILE, SESSION_URDF
-from shoecal_core.shoe.shoe import Shoe, load_shoe
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 
 FORMAT = 1
 FILE = SESSION_FILE

@@ -10,7 +10,6 @@ import numpy as np
 
 from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import ShoecalError
-from shoecal_core.files import Fields
 
 FARTHEST_M = 100.0
 """Beyond that geometry is rounding."""
@@ -65,18 +64,6 @@ class DoubleSupport:
     def left_to_right(self, points: FloatArray) -> FloatArray:
         """Points (..., 2) of the left sole's frame in the right sole's frame [m]."""
         return (points - self.translation) @ self.rotation
-
-
-def read_support(fields: Fields) -> DoubleSupport | None:
-    """`support`, three numbers of a file; None without it. FileError where they are wrong."""
-    key = "support"
-    if key not in fields:
-        return None
-    numbers = fields.array(key, (3,))
-    try:
-        return DoubleSupport(*map(float, numbers))
-    except ShoecalError as error:
-        raise fields.error(key, str(error)) from error
 
 
 def count_distinct(supports: Iterable[DoubleSupport]) -> int:

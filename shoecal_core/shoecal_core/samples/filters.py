@@ -23,15 +23,17 @@ EVEN = 0.01
 
 def low_passed(values: FloatArray, time: FloatArray, constant: float) -> FloatArray:
     """First-order lag of values (F, k) with a time constant [s], settled at the start."""
+    return evenly(lambda even, step: first_order(even, constant, step), values, time)
+
+
+def first_order(values: FloatArray, constant: float, period: float) -> FloatArray:
+    """The same lag of values (F, k) that are a period apart [s]."""
     # It takes as long to load as a whole fit, and most calls have no lag.
     from scipy.signal import lfilter  # noqa: PLC0415
 
-    def lagged(even: FloatArray, step: float) -> FloatArray:
-        keep = np.exp(-step / constant)
-        filtered, _ = lfilter([1.0 - keep], [1.0, -keep], even, axis=0, zi=keep * even[:1])
-        return np.asarray(filtered)
-
-    return evenly(lagged, values, time)
+    keep = np.exp(-period / constant)
+    filtered, _ = lfilter([1.0 - keep], [1.0, -keep], values, axis=0, zi=keep * values[:1])
+    return np.asarray(filtered)
 
 
 def play(values: FloatArray, width: FloatArray) -> FloatArray:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from shoecal_core.settings import setting
+from shoecal_core.settings import SettingError, setting
 from shoecal_core.shoe.priors import PriorSettings
 
 JOINT, PAPER = "joint", "paper"
@@ -47,3 +47,18 @@ class CalibrationSettings(PriorSettings):
         "gains, and of each channel's even share of the weight",
         minimum=1e-6,
     )
+
+
+def require_prior_counts(settings: CalibrationSettings) -> None:
+    """Refuse a manual calibration under a method that would ignore it.
+
+    Raises:
+        SettingError: of a method without a prior.
+    """
+    if settings.method == PAPER:
+        raise SettingError(
+            "method",
+            f"{PAPER} fits gains and offsets alone, so the manual calibration would be ignored: "
+            f"calibrate with the method {JOINT}, or without the manual calibration (--manual of "
+            "the command, manual_file of the node)",
+        )

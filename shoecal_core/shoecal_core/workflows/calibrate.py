@@ -43,7 +43,7 @@ from shoecal_core.estimation.fit import SelfCalibration, prior_of, self_calibrat
 from shoecal_core.estimation.initial_guess import initial_guess
 from shoecal_core.estimation.joint import corrected, fit_with_known, joint_calibration, of_joint
 from shoecal_core.estimation.joint_fit import JointFit
-from shoecal_core.estimation.known import Since, require_prior_counts
+from shoecal_core.estimation.known import Since
 from shoecal_core.estimation.known_shoe import known_shoe
 from shoecal_core.estimation.lagging import check_lags, lags
 from shoecal_core.estimation.leg_geometry import describe_leg_errors, leg_errors
@@ -68,7 +68,7 @@ from shoecal_core.samples.stance import Stance
 from shoecal_core.samples.zeros import with_own_zeros
 from shoecal_core.screening.clocks.time_offsets import LEFT_STD_S, describe_time_offset
 from shoecal_core.screening.result import Screening
-from shoecal_core.screening.settings import PAPER, CalibrationSettings
+from shoecal_core.screening.settings import PAPER, CalibrationSettings, require_prior_counts
 from shoecal_core.screening.verdict import Finding, Verdict, judge
 from shoecal_core.shoe.sensing import Sensing
 from shoecal_core.shoe.wrench import ChannelParameters

@@ -16,12 +16,11 @@ from shoecal_core.errors import FieldError
 from shoecal_core.estimation.calibration import Calibration, WrongShoeError, load_calibration
 from shoecal_core.estimation.checks.drift import FALSE_ALARM
 from shoecal_core.estimation.checks.standstill import ModelTolerance
-from shoecal_core.estimation.known import require_prior_counts
 from shoecal_core.parameter_file import load_settings
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.recording import schemas
 from shoecal_core.robot.kinematics import Kinematics
-from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.settings import CalibrationSettings, require_prior_counts
 from shoecal_core.settings import setting
 from shoecal_core.shoe.shoe import FEET
 from shoecal_core.workspace import config_dir

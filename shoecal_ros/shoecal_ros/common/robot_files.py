@@ -9,7 +9,8 @@ from pathlib import Path
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot, shoe_file_of
 from shoecal_core.settings import Settings, setting
-from shoecal_core.shoe.shoe import Shoe, load_shoe
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 from shoecal_core.workspace import config_dir
 
 

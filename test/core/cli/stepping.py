@@ -16,7 +16,7 @@ from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.samples.momentum import base_in_stance
-from shoecal_core.shoe.shoe import load_shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 from shoecal_core.shoe.wrench import at_cop
 
 STEP_NS = 20_000_000

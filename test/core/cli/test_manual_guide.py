@@ -20,7 +20,8 @@ from shoecal_core.estimation.calibration import load_calibration
 from shoecal_core.manual.loads import CELLS, SHOE, Load, planned_loads
 from shoecal_core.manual.measurements_file import load_measurements
 from shoecal_core.manual.settings import load_manual_settings
-from shoecal_core.shoe.shoe import FEET, Shoe, load_shoe
+from shoecal_core.shoe.shoe import FEET, Shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.simulation.rig import LoadingRig
 from shoecal_core.simulation.sampled_robot import draw_shoes

@@ -12,7 +12,7 @@ import yaml
 
 from core.cli.conftest import ROOT, Run
 from shoecal_core.robot.robot_file import load_robot
-from shoecal_core.shoe.shoe import load_shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 
 URDF = ROOT / "config/robots/wren.urdf"
 

@@ -14,7 +14,8 @@ from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources.effects import places
 from shoecal_core.recording import messages, schemas
 from shoecal_core.recording.session import ROBOT, SHOE, URDF, Session
-from shoecal_core.shoe.shoe import FEET, load_shoe
+from shoecal_core.shoe.shoe import FEET
+from shoecal_core.shoe.shoe_file import load_shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 
 AXES = ("fz", "mx", "my")

@@ -19,7 +19,8 @@ from shoecal_core.errors import FileError
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot import JointDeflection, Robot
 from shoecal_core.robot.robot_file import load_robot
-from shoecal_core.shoe.shoe import Shoe, load_shoe
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 
 NAMES = ("nao", "wren")
 MILLIMETRE = 1e-3

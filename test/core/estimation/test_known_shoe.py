@@ -14,7 +14,8 @@ from shoecal_core.estimation.known import KnownShoe, Since
 from shoecal_core.estimation.known_shoe import known_shoe
 from shoecal_core.shoe.correction import CopCorrection
 from shoecal_core.shoe.sensing import Sensing
-from shoecal_core.shoe.shoe import FEET, Shoe, load_shoe
+from shoecal_core.shoe.shoe import FEET, Shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 from shoecal_core.workspace import config_dir
 

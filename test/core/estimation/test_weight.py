@@ -12,7 +12,7 @@ from shoecal_core.arrays import FloatArray
 from shoecal_core.estimation.weight import weigh
 from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.samples.zeros import Zero, zeros_of_run
-from shoecal_core.shoe.shoe import load_shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 
 ANKLES = load_shoe(shoes.ROOT / "config/shoes/reemc.yaml")
 KG = 77.7

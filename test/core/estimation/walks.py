@@ -13,7 +13,7 @@ from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.samples.stance import Stance, make_stance
 from shoecal_core.samples.zeros import Zero
-from shoecal_core.shoe.shoe import load_shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 
 ANKLES = load_shoe(shoes.ROOT / "config/shoes/reemc.yaml")
 HEIGHT = 0.12

@@ -18,7 +18,8 @@ from shoecal_core.manual.shoe_loads import expected_wrenches
 from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot
-from shoecal_core.shoe.shoe import FEET, Shoe, load_shoe
+from shoecal_core.shoe.shoe import FEET, Shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 from shoecal_core.shoe.wrench import ChannelParameters, weight_below
 from shoecal_core.simulation.reality_file import load_reality
 

@@ -17,7 +17,8 @@ from shoecal_core.manual.calibrate import (
     of_shoe,
 )
 from shoecal_core.shoe.sensing import Sensing
-from shoecal_core.shoe.shoe import Shoe, load_shoe
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 
 LEFT_ONLY = (("feet", "right"), mutations.DELETE)

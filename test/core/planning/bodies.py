@@ -9,7 +9,8 @@ from pathlib import Path
 from shoecal_core.planning.legs import Legs
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot
-from shoecal_core.shoe.shoe import Shoe, load_shoe
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 
 ROOT = Path(__file__).parents[3]
 

@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 
 from core.recording import samples
-from shoecal_core.shoe.shoe import Shoe, load_shoe
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 
 
 @pytest.fixture(scope="session")

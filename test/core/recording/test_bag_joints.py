@@ -21,7 +21,7 @@ from shoecal_core.recording.session import Session
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.screening.settings import CalibrationSettings
-from shoecal_core.shoe.shoe import load_shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 from shoecal_core.workflows.check import check_session
 
 ROBOT, SHOE = ROOT / "config/robots/nao.yaml", ROOT / "config/shoes/nao_shoe.yaml"

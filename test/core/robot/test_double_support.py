@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shoecal_core.errors import FileError, ShoecalError
-from shoecal_core.files import read_yaml
-from shoecal_core.robot.double_support import DoubleSupport, count_distinct, read_support
+from shoecal_core.errors import ShoecalError
+from shoecal_core.robot.double_support import DoubleSupport, count_distinct
 
 numbers = st.floats(-1.0, 1.0)
 supports = st.builds(DoubleSupport, numbers, numbers, st.floats(-math.pi, math.pi))
@@ -58,24 +56,6 @@ def test_what_is_not_finite_is_refused(bad: float, place: int) -> None:
 def test_more_than_one_turn_is_refused(dtheta: float) -> None:
     with pytest.raises(ShoecalError, match="within one turn"):
         DoubleSupport(0.0, -0.1, dtheta)
-
-
-@pytest.mark.parametrize("text", ["[0.0, 1.0e+30, 0.0]", "[0.0, .nan, 0.0]", "[0.0, -0.1]", "5"])
-def test_a_support_of_a_file_that_is_none_names_the_file_and_the_field(
-    tmp_path: Path, text: str
-) -> None:
-    path = tmp_path / "list.yaml"
-    path.write_text(f"support: {text}\n")
-    with pytest.raises(FileError, match=r"list\.yaml.*support"):
-        read_support(read_yaml(path))
-
-
-def test_a_support_of_a_file(tmp_path: Path) -> None:
-    path = tmp_path / "list.yaml"
-    path.write_text("another: 1")
-    assert read_support(read_yaml(path)) is None
-    path.write_text("support: [0.01, -0.1, 0.2]\n")
-    assert read_support(read_yaml(path)) == DoubleSupport(0.01, -0.1, 0.2)
 
 
 def test_supports_that_nearly_coincide_are_one() -> None:

@@ -15,7 +15,7 @@ from shoecal_core.samples.zeros import (
     zeros_json,
     zeros_of_run,
 )
-from shoecal_core.shoe.shoe import load_shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 from shoecal_core.shoe.wrench import ChannelParameters, foot_wrenches
 
 CELLS, ANKLES = shoes.shoe("nao_shoe"), load_shoe(shoes.ROOT / "config/shoes/reemc.yaml")

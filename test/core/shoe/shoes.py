@@ -17,8 +17,8 @@ from shoecal_core.shoe.shoe import (
     Shoe,
     axis_column,
     cell_column,
-    load_shoe,
 )
+from shoecal_core.shoe.shoe_file import load_shoe
 
 ROOT = Path(__file__).parents[3]
 FILES = {

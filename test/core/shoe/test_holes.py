@@ -10,7 +10,8 @@ from core.shoe import mutations, shoes
 from core.shoe.mutations import Key
 from shoecal_core.errors import NameNotFoundError
 from shoecal_core.shoe.holes import Holes
-from shoecal_core.shoe.shoe import FEET, load_shoe
+from shoecal_core.shoe.shoe import FEET
+from shoecal_core.shoe.shoe_file import load_shoe
 
 ROBOT = shoes.ROOT / "config" / "robots" / "nao.yaml"
 

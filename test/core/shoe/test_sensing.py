@@ -16,7 +16,8 @@ from shoecal_core.errors import ShapeError, ShoecalError
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.shoe.correction import CopCorrection, corrected_channels
 from shoecal_core.shoe.sensing import MINIMUM_FORCE, Sensing
-from shoecal_core.shoe.shoe import Shoe, load_shoe
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 from shoecal_core.shoe.wrench import ChannelParameters, at_cop, foot_wrenches, weight_below
 
 ROOT = Path(__file__).parents[3]

@@ -16,7 +16,8 @@ from core.shoe import mutations, shoes
 from core.shoe.mutations import DELETE, Key
 from shoecal_core.errors import NameNotFoundError, ShoecalError, VersionError
 from shoecal_core.files import sha256, write_yaml
-from shoecal_core.shoe.shoe import AXES, FEET, Shoe, load_shoe
+from shoecal_core.shoe.shoe import AXES, FEET, Shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 
 SIX_AXIS = """
 format: 1

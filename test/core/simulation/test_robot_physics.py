@@ -13,7 +13,7 @@ from shoecal_core.arrays import FloatArray
 from shoecal_core.errors import FileError, ShoecalError
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.shoe import wrench
-from shoecal_core.shoe.shoe import load_shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 from shoecal_core.simulation import robot_physics
 from shoecal_core.simulation.sampled_robot import draw
 from shoecal_core.simulation.shoe_physics import ChannelOutputs, SoleReader

@@ -13,7 +13,8 @@ import numpy as np
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot
-from shoecal_core.shoe.shoe import Shoe, load_shoe
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.reality import NamedNumbers, PlantVariation
 from shoecal_core.simulation.reality_file import load_reality

@@ -16,7 +16,8 @@ from shoecal_core.planning.posture import stance
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.kinematics import BodyStates, Kinematics
 from shoecal_core.shoe.sensing import Sensing
-from shoecal_core.shoe.shoe import Shoe, load_shoe
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 from shoecal_core.shoe.wrench import ChannelParameters, at_cop, to_left, weight_below
 from shoecal_ros.calibrator.force_samples import STANCE, ForceSamples
 from shoecal_ros.calibrator.live import FootFlags, Live, LiveSensing, OutputFilter

@@ -10,7 +10,7 @@ from ros.bodies import ODD, ODD_SHOE, nao
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.settings import SettingError
-from shoecal_core.shoe.shoe import load_shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 from shoecal_ros.common.frames import Frames, FrameSettings
 
 

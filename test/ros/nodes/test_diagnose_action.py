@@ -15,7 +15,7 @@ from ros.world import Goal, World
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot_file import load_robot
-from shoecal_core.shoe.shoe import load_shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 
 CODES = Diagnose.Result
 SUPPORT = DoubleSupport(0.0, -0.112, 0.0)

@@ -21,7 +21,7 @@ from ros.world import Goal, World
 from shoecal_core.recording.truth import read_truth
 from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.robot.kinematics import Kinematics
-from shoecal_core.shoe.shoe import load_shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 from shoecal_ros.common import qos
 from shoecal_ros.common.codes import Code
 from shoecal_ros.common.conversions import time_from_ros, trajectory_to_ros

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from shoecal_core.errors import FileError
-from shoecal_core.shoe.shoe import load_shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 from shoecal_ros.serial.channel_map import Converter, Encoding
 from shoecal_ros.serial.config import DriverConfig, Mode, load_driver_config
 from shoecal_ros.serial.protocol import BinaryDecoder

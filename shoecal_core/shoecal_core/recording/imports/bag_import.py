@@ -41,7 +41,8 @@ from shoecal_core.recording.join import few_digits, in_order, two_orders, two_or
 from shoecal_core.recording.schemas import SHOE_VOLTAGES_TYPE
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.urdf import ROOT_JOINTS, Outline, read_outline, read_urdf
-from shoecal_core.shoe.shoe import Shoe, load_shoe
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 
 LISTED = 10
 """Names of joints that a message lists at most."""

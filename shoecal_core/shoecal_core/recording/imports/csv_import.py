@@ -33,7 +33,8 @@ from shoecal_core.recording.imports.mapping import Trial
 from shoecal_core.recording.packets import ANGLES_S, READINGS_S, find_packets
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.urdf import Outline, read_outline
-from shoecal_core.shoe.shoe import Shoe, load_shoe
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 
 MAX_ODD_ROWS = 5
 MAX_ODD_ROWS_SHARE = 0.02

@@ -39,7 +39,8 @@ from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot import JointsMissingError
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.robot.urdf import read_outline
-from shoecal_core.shoe.shoe import FEET, Shoe, load_shoe
+from shoecal_core.shoe.shoe import FEET, Shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 
 APART = {"dx": (0.05, "m"), "dy": (0.05, "m"), "dtheta": (0.2, "rad")}
 """Supports by a tape measure and by joint angles differ by less; of opposite signs, by half."""

@@ -12,8 +12,8 @@ import numpy as np
 
 from shoecal_core.files import Fields, read_yaml
 from shoecal_core.recording.info import HANGING
-from shoecal_core.recording.listing import HINTS
-from shoecal_core.robot.double_support import DoubleSupport, read_support
+from shoecal_core.recording.listing import HINTS, read_support
+from shoecal_core.robot.double_support import DoubleSupport
 
 FORMAT = 1
 ANGLE_UNIT, BAG = "angle_unit", "bag"

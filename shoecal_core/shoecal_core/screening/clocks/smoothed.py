@@ -13,10 +13,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
-from scipy.signal import lfilter
 
 from shoecal_core.arrays import FloatArray
-from shoecal_core.samples.filters import resampled, typical_period
+from shoecal_core.samples.filters import first_order, resampled, typical_period
 from shoecal_core.screening.clocks.time_offsets import CopTrack, late_of
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.verdict import Finding
@@ -87,7 +86,7 @@ def _left_by(one: Smoothing, track: CopTrack, late: float) -> float:
     period = typical_period(track.time)
     modelled = _smooth(track.modelled, one.width, period)
     if one.back:
-        modelled = _first_order(track.modelled, one.width, period)
+        modelled = first_order(track.modelled, one.width, period)
         late = late_of([replace(track, modelled=modelled)])
     shifted = np.stack(
         [np.interp(track.time + late, track.time, axis) for axis in modelled.T], axis=1
@@ -112,13 +111,6 @@ def _quick(values: FloatArray, period: float) -> FloatArray:
 def _smooth(values: FloatArray, width: float, period: float) -> FloatArray:
     smooth: FloatArray = gaussian_filter1d(values, width / period, axis=0) if width else values
     return smooth
-
-
-def _first_order(values: FloatArray, constant: float, period: float) -> FloatArray:
-    """(T, k) a low-pass of first order of values (T, k)."""
-    kept = np.exp(-period / constant)
-    filtered, _ = lfilter([1.0 - kept], [1.0, -kept], values, axis=0, zi=kept * values[:1])
-    return np.asarray(filtered)
 
 
 def describe_smoothed(found: Smoothing | None) -> list[Finding]:

@@ -18,7 +18,7 @@ from shoecal_core.estimation.checks.agreement import (
 )
 from shoecal_core.robot.gravity import GRAVITY
 from shoecal_core.robot.robot_file import load_robot
-from shoecal_core.shoe.shoe import load_shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 from shoecal_core.workspace import config_dir
 

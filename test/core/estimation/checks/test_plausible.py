@@ -8,7 +8,7 @@ import pytest
 from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.estimation.checks.plausible import ImplausibleError, check_plausible
 from shoecal_core.shoe.correction import CopCorrection
-from shoecal_core.shoe.shoe import load_shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 from shoecal_core.shoe.wrench import ChannelParameters
 from shoecal_core.workspace import config_dir
 

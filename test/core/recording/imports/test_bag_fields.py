@@ -30,7 +30,7 @@ from shoecal_core.recording.imports.bag_import import import_bags
 from shoecal_core.recording.schemas import SHOE_VOLTAGES_TYPE, schema_text
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.robot_file import load_robot
-from shoecal_core.shoe.shoe import load_shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 
 ROBOT, SHOE = ROOT / "config/robots/nao.yaml", ROOT / "config/shoes/nao_shoe.yaml"
 COUNT, STEP_S = 120, 0.02

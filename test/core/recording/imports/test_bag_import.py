@@ -24,7 +24,7 @@ from shoecal_core.recording.imports.bag_import import import_bags
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot_file import load_robot
-from shoecal_core.shoe.shoe import load_shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 
 PREFIX = "wren/"
 

@@ -21,7 +21,8 @@ from shoecal_core.screening.cells.zeros import (
     moved_zeros,
 )
 from shoecal_core.screening.faults import Fault
-from shoecal_core.shoe.shoe import FEET, load_shoe
+from shoecal_core.shoe.shoe import FEET
+from shoecal_core.shoe.shoe_file import load_shoe
 
 
 def found(whole: Recording) -> MovedZeros | None:

@@ -10,7 +10,8 @@ import numpy as np
 from core.simulation.worlds import PERFECT, ROOT, changed, load_world
 from shoecal_core.arrays import FloatArray
 from shoecal_core.files import Fields
-from shoecal_core.shoe.shoe import Shoe, load_shoe
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.shoe_file import load_shoe
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.effects.registry import read_effect
 from shoecal_core.simulation.reality import PlantVariation
