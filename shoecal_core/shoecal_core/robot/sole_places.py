@@ -65,11 +65,13 @@ def _off_shape(foot: Foot, points: FloatArray) -> FloatArray:
     """(2,) how far a sole is off its foot's corners (k, 3) in the joint's frame [m]."""
     seen = np.array([foot.placement.actInv(point) for point in points])
     low = seen[seen[:, 2] < seen[:, 2].min() + NEAR, :2]
-    ends = np.array(
-        [
-            foot.outline.max(axis=0) - low.max(axis=0),
-            foot.outline.min(axis=0) - low.min(axis=0),
-        ]
-    )
+    return off_bounds(foot.outline, low)
+
+
+def off_bounds(ours: FloatArray, theirs: FloatArray) -> FloatArray:
+    """(2,) how far the middle of places (n, 2) is off that of others (k, 2) along each axis, where
+    they stand out of them on one side and leave them free on the other [m]; else 0.
+    """
+    ends = np.array([ours.max(axis=0) - theirs.max(axis=0), ours.min(axis=0) - theirs.min(axis=0)])
     one_way = (ends > MOST_OFF).all(axis=0) | (ends < -MOST_OFF).all(axis=0)
     return np.where(one_way, ends.mean(axis=0), 0.0)

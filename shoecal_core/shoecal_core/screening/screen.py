@@ -39,6 +39,7 @@ from shoecal_core.screening.cells.unresponsive import (
     stuck,
     stuck_channels,
 )
+from shoecal_core.screening.cells.wrapped import describe_wrapped, wrapped
 from shoecal_core.screening.cells.zero_jumps import describe_zero_jumps, zero_jumps
 from shoecal_core.screening.clocks.jumps import describe_clock_jump
 from shoecal_core.screening.clocks.smoothed import describe_smoothed
@@ -100,7 +101,9 @@ def screen(
         return found
     found = found.adding(describe_twins(find_twins(runs)))
     # Jumps and held values look like every fault of cells and clocks.
-    found = found.adding(describe_missing_codes(shoe, missing_codes(runs)))
+    # What wraps lacks the codes between its ends.
+    turned = describe_wrapped(shoe, wrapped(runs))
+    found = found.adding(turned or describe_missing_codes(shoe, missing_codes(runs)))
     found = found.adding(describe_dead_bands(shoe, dead_bands(runs)))
     # A held angle, off by more than anything else, looks like a zero that moves, and that like a
     # lifted foot.

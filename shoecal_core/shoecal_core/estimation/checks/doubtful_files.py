@@ -7,9 +7,9 @@ import numpy as np
 from shoecal_core.arrays import FloatArray
 from shoecal_core.robot.leg_masses import unlike_masses
 from shoecal_core.robot.robot import Robot, first_link
-from shoecal_core.robot.sole_places import MisplacedSole, misplaced_soles
+from shoecal_core.robot.sole_places import MisplacedSole, misplaced_soles, off_bounds
 from shoecal_core.screening.verdict import Finding
-from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.shoe import FEET, Shoe
 
 SHOE_SHARE = 0.1
 """Share of the whole mass from which shoes are rather given in another unit, or with a slip of the
@@ -25,8 +25,8 @@ _WAYS = (("ahead", "behind"), ("to the left", "to the right"))
 
 
 def check_files(robot: Robot, shoe: Shoe) -> list[Finding]:
-    """Shoes that are too heavy, cells of the other foot, soles off the feet's shapes, and legs
-    of unlike masses.
+    """Shoes that are too heavy, cells of the other foot or off the soles, soles off the feet's
+    shapes, and legs of unlike masses.
     """
     found = []
     share = shoe.mass / robot.mass
@@ -43,6 +43,7 @@ def check_files(robot: Robot, shoe: Shoe) -> list[Finding]:
             "the right ones' y with the other sign (position_m in the shoe file), unless both "
             "shoes are of the same shape"
         )
+    found += _off_soles(robot, shoe)
     found += _off_shape(misplaced_soles(robot))
     # Legs of which one has a joint more are counted from the feet.
     pairs = zip(*(reversed(leg) for leg in robot.leg_chains), strict=False)
@@ -59,13 +60,8 @@ def _off_shape(soles: list[MisplacedSole]) -> list[str]:
     """By how much soles are off the shapes of their feet: once where both are alike."""
     feet: dict[tuple[str, str], list[str]] = {}
     for sole in soles:
-        ways = [
-            f"{1e3 * abs(by):.0f} mm {way[int(by < 0.0)]}"
-            for by, way in zip(sole.offset, _WAYS, strict=True)
-            if by
-        ]
         added = ", ".join(f"{value:g}" for value in np.round(sole.cure, 3) + 0.0)
-        feet.setdefault((" and ".join(ways), added), []).append(sole.foot)
+        feet.setdefault((_ways(sole.offset), added), []).append(sole.foot)
     return [
         f"the outline of the {' and the '.join(names)} sole is {ways} of the shape that the URDF "
         "gives the foot, and leaves as much of it free on the other side: the CoP is off by that; "
@@ -73,6 +69,38 @@ def _off_shape(soles: list[MisplacedSole]) -> list[str]:
         "robot file, unless outline_m alone is wrong"
         for (ways, added), names in feet.items()
     ]
+
+
+def _off_soles(robot: Robot, shoe: Shoe) -> list[str]:
+    """By how much cells are off the soles that they are to measure: once where feet are alike.
+
+    What shifts the cells of both feet alike is hardly to be told from their zeros by the CoP of a
+    robot on both feet: no fit would notice.
+    """
+    feet: dict[str, list[str]] = {}
+    for index, foot in enumerate(robot.feet):
+        places = shoe.positions[shoe.vertical & (shoe.foot == index)]
+        # A six-axis sensor measures what acts beside it, too.
+        offset = off_bounds(places, foot.outline) if len(places) > 1 else np.zeros(2)
+        if offset.any():
+            feet.setdefault(_ways(offset), []).append(FEET[index])
+    return [
+        f"the cells of the {' and the '.join(names)} foot stand out of the sole's outline, and "
+        f"leave as much of it free on the other side: their middle is {ways} of the outline's; "
+        "position_m in the shoe file and outline_m in the robot file are both in the sole frame, "
+        "so one of them has another origin (the heel, the ankle): correct it, or the CoP of each "
+        "foot is off by that"
+        for ways, names in feet.items()
+    ]
+
+
+def _ways(offset: FloatArray) -> str:
+    """An offset (2,) in the sole frame [m], in words."""
+    return " and ".join(
+        f"{1e3 * abs(by):.0f} mm {way[int(by < 0.0)]}"
+        for by, way in zip(offset, _WAYS, strict=True)
+        if by
+    )
 
 
 def _not_mirrored(robot: Robot, shoe: Shoe) -> float:

@@ -187,9 +187,10 @@ def _against(polarity: IntArray, fit: RoughFit) -> BoolArray:
 
 
 def exchanges(shoe: Shoe) -> list[list[tuple[int, int]]]:
-    """Pairs of one-axis cells; of torques, and of the vertical force with a torque, of one foot and
-    of both; all channels of both feet where these are alike, by name or by their place in mirrored
-    soles.
+    """Pairs of one-axis cells; two pairs of one foot, or the same pair or pairs of both, as cells
+    are listed from another end; of torques, and of the vertical force with a torque, of one foot
+    and of both; all channels of both feet where these are alike, by name or by their place in
+    mirrored soles.
     """
     cells = [i for i, channel in enumerate(shoe.channels) if channel.column[0] == 1.0]
     torques = [i for i in range(len(shoe.names)) if shoe.torque[i]]
@@ -199,11 +200,32 @@ def exchanges(shoe: Shoe) -> list[list[tuple[int, int]]]:
     twin = dict(feet)
     return [
         *([pair] for pair in (*combinations(cells, 2), *turned, *mixed)),
+        *_of_one_order(shoe, cells, twin),
         *([turned] if turned[1:] else []),
         *([(one, two), (twin[one], twin[two])] for one, two in mixed if one in twin),
         *([feet] if feet else []),
         *([pairs] if (pairs := mirrored(shoe)) not in ([], feet) else []),
     ]
+
+
+def _of_one_order(
+    shoe: Shoe, cells: list[int], twin: dict[int, int]
+) -> list[list[tuple[int, int]]]:
+    """Two pairs of one foot's cells, and one or two of both feet's: a whole list in another order,
+    of a driver that counts from the heel, or of a board that is built in the other way round.
+    """
+    single = [pair for pair in combinations(cells, 2) if _of_one_foot(shoe, pair)]
+    double = [
+        list(pairs)
+        for pairs in combinations(single, 2)
+        if _of_one_foot(shoe, (pairs[0][0], pairs[1][0])) and not set(pairs[0]) & set(pairs[1])
+    ]
+    both = [
+        [*pairs, *((twin[one], twin[other]) for one, other in pairs)]
+        for pairs in ([[pair] for pair in single] + double)
+        if all(one in twin for pair in pairs for one in pair)
+    ]
+    return double + both
 
 
 def _of_one_foot(shoe: Shoe, pair: tuple[int, int]) -> bool:

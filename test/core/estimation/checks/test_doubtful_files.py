@@ -189,3 +189,25 @@ def test_feet_without_a_shape_say_nothing(tmp_path: Path) -> None:
 def test_tolerances_in_another_unit_are_refused(wrong: dict[str, float]) -> None:
     with pytest.raises(SettingError, match="must be at least 0 and at most"):
         Tolerances(**wrong)
+
+
+def shifted(shoe: Shoe, feet: set[int], by: tuple[float, float]) -> Shoe:
+    """The cells of these feet at other places."""
+    channels = tuple(
+        replace(one, position=one.position + by) if one.foot in feet else one
+        for one in shoe.channels
+    )
+    return replace(shoe, channels=channels)
+
+
+def test_cells_off_the_soles_are_named() -> None:
+    """Of a shoe file whose places are measured from the heel: no fit notices those of both feet."""
+    wren, shoe = robots.load("wren"), shoes.shoe("wren_shoe")
+    (finding,) = check_files(wren, shifted(shoe, {0, 1}, (0.05, 0.0)))
+    assert finding.verdict == "WARN"
+    assert finding.reason.startswith("the cells of the left and the right foot stand out of the")
+    assert "mm ahead of the outline's" in finding.reason
+    (finding,) = check_files(wren, shifted(shoe, {1}, (0.0, -0.05)))
+    assert finding.reason.startswith("the cells of the right foot stand out")
+    assert "mm to the right of the outline's" in finding.reason
+    assert not check_files(wren, shifted(shoe, {0, 1}, (0.005, 0.0)))

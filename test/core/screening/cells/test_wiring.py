@@ -57,6 +57,20 @@ def test_the_feet_at_each_others_place() -> None:
     assert wiring(exchanged(recording(3), *pairs)) == WiringFaults((), pairs)
 
 
+ORDERS = [
+    ((0, 3), (1, 2)),  # left foot from its other end
+    ((4, 5), (6, 7)),
+    ((0, 3), (1, 2), (4, 7), (5, 6)),  # both
+    ((0, 1), (4, 5)),  # one driver lists both feet in one order
+]
+
+
+@pytest.mark.parametrize("pairs", ORDERS, ids=str)
+def test_cells_listed_in_another_order(pairs: tuple[tuple[int, int], ...]) -> None:
+    found = wiring(exchanged(recording(2), *pairs))
+    assert (set(found.swapped), found.inverted, found.fits) == (set(pairs), (), True)
+
+
 def test_a_sign_that_nobody_knows_is_never_wrong() -> None:
     whole = recording(2, shoe="odd_shoe")
     unknown = np.flatnonzero(whole.shoe.polarity == 0)
