@@ -77,6 +77,7 @@ def align(run: Run, shoe: Shoe, kinematics: Kinematics, *, late_s: float = 0.0) 
     _check_unit(run, names, kinematics.robot)
     _check_jumps(run, names, kinematics.robot)
     _check_packets(run, names)
+    _check_rate(run, names)
     measured, covered = interpolate_joints(
         run.joints, time, MAX_JOINT_GAP_S, late_s=late_s, names=names
     )
@@ -141,6 +142,21 @@ def _check_packets(run: Run, names: list[str]) -> None:
         for known in {np.isfinite(one).tobytes(): np.isfinite(one) for one in columns}.values():
             if (packets := find_packets(time[known], bearable)) is not None:
                 raise RecordingError(run.path, packets.describe(what))
+
+
+def _check_rate(run: Run, names: list[str]) -> None:
+    """Refuse angles that come so seldom that there are none between them."""
+    for name in names:
+        known = np.isfinite(run.joints.position[:, run.joints.names.index(name)])
+        periods = np.diff(run.joints.time[known])
+        if len(periods) and (usual := float(np.median(periods))) > MAX_JOINT_GAP_S:
+            raise RecordingError(
+                run.path,
+                f"angles of '{name}' come {1.0 / usual:.3g} times a second; at times further apart "
+                f"than {MAX_JOINT_GAP_S:g} s nothing is known between them: let the robot's driver "
+                f"publish them {1.0 / MAX_JOINT_GAP_S:g} times a second or more, and record again",
+                field=JOINT_STATES,
+            )
 
 
 def _cure(run: Run, names: list[str]) -> str:

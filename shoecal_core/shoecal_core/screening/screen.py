@@ -89,8 +89,9 @@ def screen(
         number: one for number, one in aligned.items() if runs[number].info.support is not None
     }
     jumps = zero_jumps(shoe, {number: runs[number] for number in double})
+    turned = describe_wrapped(shoe, wrapped(runs))
     # Else what the CoP says of the clocks is that fault's.
-    known = timing.explained or jumps or legs.wrong
+    known = timing.explained or turned or jumps or legs.wrong
     found = Screening(
         findings=() if known else tuple(describe_time_offset(timing.late)),
         time_offset=timing.late,
@@ -102,7 +103,6 @@ def screen(
     found = found.adding(describe_twins(find_twins(runs)))
     # Jumps and held values look like every fault of cells and clocks.
     # What wraps lacks the codes between its ends.
-    turned = describe_wrapped(shoe, wrapped(runs))
     found = found.adding(turned or describe_missing_codes(shoe, missing_codes(runs)))
     found = found.adding(describe_dead_bands(shoe, dead_bands(runs)))
     # A held angle, off by more than anything else, looks like a zero that moves, and that like a

@@ -115,9 +115,8 @@ def screen_standing(
     found = found.adding(describe_pulls(list(pulled.values())) + describe_weights(wrong, weight))
     if found.fails:
         return found
-    drifts = any(one.fault == Fault.DRIFTING for one in found.findings)
-    # What a drift makes of the force is explained.
-    found = found.adding([] if drifts else _minor(fitted, watched, bent))
+    drifts = any(one.fault is Fault.DRIFTING for one in found.findings)
+    found = found.adding(_minor(fitted, watched, bent, drifts=drifts))
     fitting = [run for run in parts if run in unloaded.parts or run in pulled]
     watch = Watch(shoe, fitted.fit.parameters, weight, settings, ended)
     found = replace(found, load={run: watch.load(one) for run, one in aligned.items()})
@@ -170,13 +169,18 @@ def _varying(statics: Statics, watched: Collection[int], bent: Bending | None) -
     return describe_wiring(statics.shoe, wiring) if wiring.clear else describe_wavering(wavers)
 
 
-def _minor(statics: Statics, watched: Collection[int], bent: Bending | None) -> list[Finding]:
-    """What a calibration copes with; left to the last, as all else is likelier."""
+def _minor(
+    statics: Statics, watched: Collection[int], bent: Bending | None, *, drifts: bool
+) -> list[Finding]:
+    """What a calibration copes with; left to the last, as all else is likelier.
+
+    A drift that was found explains what it makes of the force.
+    """
     known = describe_hum(find_hum(statics, watched)) + describe_bending(statics.shoe, bent)
     if all_start_at_zero(statics.parts):
         known += describe_starts(statics.shoe)
     known = known or describe_changed_plane(changed_plane(statics))
-    return known or describe_unexplained(unexplained(statics))
+    return known or ([] if drifts else describe_unexplained(unexplained(statics)))
 
 
 def _electrical(statics: Statics, height: float, starts: Mapping[int, float]) -> list[Finding]:

@@ -32,3 +32,18 @@ def test_stamps_of_receipt_in_packets_are_refused(standard_session: Session) -> 
     joints = replace(run.joints, time=received(run.joints.time))
     with pytest.raises(RecordingError, match=r"joint angles come in packets"):
         align(replace(run, joints=joints), shoe, kinematics)
+
+
+def test_angles_that_come_too_seldom_are_refused_by_their_rate(standard_session: Session) -> None:
+    shoe = standard_session.shoe
+    kinematics = Kinematics(load_robot(standard_session.robot_yaml, shoe))
+    run = standard_session.read(1)
+    every = round(0.2 / float(np.median(np.diff(run.joints.time))))
+    seldom = replace(
+        run.joints,
+        time=run.joints.time[::every],
+        position=run.joints.position[::every],
+        effort=None,
+    )
+    with pytest.raises(RecordingError, match=r"come 5 times a second; .* 10 times"):
+        align(replace(run, joints=seldom), shoe, kinematics)

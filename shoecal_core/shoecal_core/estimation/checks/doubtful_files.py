@@ -74,13 +74,13 @@ def _off_shape(soles: list[MisplacedSole]) -> list[str]:
 def _off_soles(robot: Robot, shoe: Shoe) -> list[str]:
     """By how much cells are off the soles that they are to measure: once where feet are alike.
 
-    What shifts the cells of both feet alike is hardly to be told from their zeros by the CoP of a
-    robot on both feet: no fit would notice.
+    Cells of both feet that are shifted alike move the CoP of a robot on both feet as their zeros
+    do: no fit would notice.
     """
     feet: dict[str, list[str]] = {}
     for index, foot in enumerate(robot.feet):
         places = shoe.positions[shoe.vertical & (shoe.foot == index)]
-        # A six-axis sensor measures what acts beside it, too.
+        # A six-axis sensor measures what acts elsewhere, too.
         offset = off_bounds(places, foot.outline) if len(places) > 1 else np.zeros(2)
         if offset.any():
             feet.setdefault(_ways(offset), []).append(FEET[index])
