@@ -6,7 +6,7 @@ looked for. What is wrong with a run or a moment of it costs that run or that mo
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -23,6 +23,7 @@ from shoecal_core.screening.cells.codes import (
     missing_codes,
 )
 from shoecal_core.screening.cells.exchanged_runs import describe_exchanged_runs, exchanged_runs
+from shoecal_core.screening.cells.same_readings import describe_same_readings, same_readings
 from shoecal_core.screening.cells.saturated import (
     at_ends_or_marked,
     describe_ends,
@@ -63,6 +64,9 @@ from shoecal_core.screening.twins import describe_twins, find_twins
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import Shoe
 
+CROSSED = (Fault.SWAPPED, Fault.INVERTED)
+"""Faults that let the CoP move in other directions than the robot, as a delay does."""
+
 
 def screen(
     runs: Mapping[int, Run],
@@ -89,9 +93,10 @@ def screen(
         number: one for number, one in aligned.items() if runs[number].info.support is not None
     }
     jumps = zero_jumps(shoe, {number: runs[number] for number in double})
-    turned = describe_wrapped(shoe, wrapped(runs))
+    numbers = describe_same_readings(shoe, same_readings(runs)) if runs else []
+    numbers += describe_wrapped(shoe, wrapped(runs))
     # Else what the CoP says of the clocks is that fault's.
-    known = timing.explained or turned or jumps or legs.wrong
+    known = timing.explained or numbers or jumps or legs.wrong
     found = Screening(
         findings=() if known else tuple(describe_time_offset(timing.late)),
         time_offset=timing.late,
@@ -103,7 +108,7 @@ def screen(
     found = found.adding(describe_twins(find_twins(runs)))
     # Jumps and held values look like every fault of cells and clocks.
     # What wraps lacks the codes between its ends.
-    found = found.adding(turned or describe_missing_codes(shoe, missing_codes(runs)))
+    found = found.adding(numbers or describe_missing_codes(shoe, missing_codes(runs)))
     found = found.adding(describe_dead_bands(shoe, dead_bands(runs)))
     # A held angle, off by more than anything else, looks like a zero that moves, and that like a
     # lifted foot.
@@ -145,7 +150,14 @@ def screen(
     fast = {number for number in double if runs[number].info.motion in FAST_MOTIONS}
     starts = {number: runs[number].start_ns / 1e9 for number in double}
     whole = screen_standing(found, double, lifting, fast, starts, shoe, weight, settings)
-    return replace(whole, findings=without_motion(whole.findings)) if legs.step else whole
+    findings = without_motion(whole.findings) if legs.step else whole.findings
+    return replace(whole, findings=_without_delay(findings))
+
+
+def _without_delay(findings: Sequence[Finding]) -> tuple[Finding, ...]:
+    """Without what a CoP of cells at wrong places says of the clocks."""
+    crossed = any(one.verdict == "FAIL" and one.fault in CROSSED for one in findings)
+    return tuple(one for one in findings if not (crossed and one.fault is Fault.LATE))
 
 
 def _lost(

@@ -25,6 +25,7 @@ from shoecal_core.screening.cells.saturated import (
     saturated,
     within_range,
 )
+from shoecal_core.screening.cells.turned_places import describe_turned_places, turned_places
 from shoecal_core.screening.cells.wandering import describe_wandering, wandering
 from shoecal_core.screening.cells.wiring import check_wiring, describe_wiring
 from shoecal_core.screening.cells.zeros import (
@@ -166,7 +167,9 @@ def _varying(statics: Statics, watched: Collection[int], bent: Bending | None) -
     if bent is not None:
         return describe_bending(statics.shoe, bent, refused=True)
     wiring = check_wiring(statics)
-    return describe_wiring(statics.shoe, wiring) if wiring.clear else describe_wavering(wavers)
+    if wiring.clear:
+        return describe_wiring(statics.shoe, wiring)
+    return describe_turned_places(turned_places(statics)) or describe_wavering(wavers)
 
 
 def _minor(
@@ -207,8 +210,11 @@ def _electrical(statics: Statics, height: float, starts: Mapping[int, float]) ->
     changed = changed_gains(statics)
     if changed is not None:
         return describe_changed_gains(shoe, changed)
+    wiring = check_wiring(statics)
+    turned = None if wiring.fits else turned_places(statics)
     return (
-        describe_wiring(shoe, check_wiring(statics))
+        describe_turned_places(turned)
+        or describe_wiring(shoe, wiring)
         or describe_leaking(shoe, leaking(statics))
         or describe_turned_frames(turned_frames(statics))
     )
