@@ -91,14 +91,15 @@ def describe_weights(found: Sequence[WrongWeight], weight: float) -> list[Findin
             f"run {one.run} was recorded with {abs(one.excess):.1f} N "
             f"{'more' if one.excess > 0.0 else 'less'} on the feet than the others (limit "
             f"{one.limit:.1f} N) and is left out: see that the robot carries nothing and is not "
-            f"held{_or_tared(one, weight)}, then record it again",
+            f"held, {_or_zeros(one, weight)}, then record it again",
             Fault.WRONG_WEIGHT,
         )
         for one in found
     ]
 
 
-def _or_tared(one: WrongWeight, weight: float) -> str:
-    """What else hides so much of the weight [N]."""
-    hidden = one.excess < -TARED_SHARE * weight
-    return ", and that no sensor is zeroed (tare, bias) while its foot carries load" * hidden
+def _or_zeros(one: WrongWeight, weight: float) -> str:
+    """What else looks so: zeros that moved, or that hide much of the weight [N]."""
+    if one.excess < -TARED_SHARE * weight:
+        return "and that no sensor is zeroed (tare, bias) while its foot carries load"
+    return "and that nothing was zeroed or switched on again before it"
