@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -30,6 +30,7 @@ class LinearSystem:
         std: (u,) prior standard deviation of each unknown.
         away: (u,) where the priors have their middle.
         columns: (u, T, s).
+        scale: (T, s) by which signals are whitened; 0 for those that do not count.
         rows: (u, r) the same whitened, for r signals that are there.
         target: (r,) whitened residuals.
         runs: (r,) the run that each is of; -1 of what is known without a recording.
@@ -41,6 +42,7 @@ class LinearSystem:
     std: FloatArray
     away: FloatArray
     columns: FloatArray
+    scale: FloatArray
     rows: FloatArray
     target: FloatArray
     runs: IntArray
@@ -108,7 +110,7 @@ class LinearSystem:
             rows[:own] = by_parameters.T
             more_rows = np.concatenate((more_rows, rows), axis=1)
             more_target = np.concatenate((more_target, target))
-        scale = 1.0 / np.broadcast_to(sample_std, there.shape)[there]
+        scale = there / sample_std
         runs = np.broadcast_to(signal_model.samples.run[:, None], there.shape)[there]
         single = [one.run is not None for one in deviations]
         single += [not one.shared for one in nuisances]
@@ -118,10 +120,38 @@ class LinearSystem:
             std=std,
             away=away,
             columns=columns,
-            rows=np.concatenate((columns[:, there] * scale, more_rows), axis=1),
-            target=np.concatenate((signal_model.residuals[there] * scale, more_target)),
+            scale=scale,
+            rows=np.concatenate((columns[:, there] * scale[there], more_rows), axis=1),
+            target=np.concatenate((signal_model.residuals[there] * scale[there], more_target)),
             runs=np.concatenate((runs, np.full(len(more_target), -1))),
             own=np.concatenate((np.zeros(own + 1, dtype=np.bool_), single)),
+        )
+
+    def with_others(self, effects: frozenset[str], others: Sequence[Deviation]) -> LinearSystem:
+        """The same problem with other deviations, of body or joints, in the place of some effects'.
+
+        Args:
+            effects: of which no deviation stays.
+            others: shared by all runs.
+        """
+        first = 2 * len(self.signal_model.parameters.gain) + 1
+        last = first + len(self.deviations)
+        stay = np.ones(len(self.std), dtype=np.bool_)
+        stay[first:last] = [one.effect not in effects for one in self.deviations]
+        at = int(stay[:last].sum())
+        columns = np.array([one.column for one in others]).reshape(-1, *self.scale.shape)
+        there = self.scale > 0.0
+        rows = np.zeros((len(others), self.rows.shape[1]))
+        # Behind the signals stands what is known of the shoe: joints add nothing to it.
+        rows[:, : np.count_nonzero(there)] = columns[:, there] * self.scale[there]
+        return replace(
+            self,
+            deviations=(*(one for one in self.deviations if one.effect not in effects), *others),
+            std=np.insert(self.std[stay], at, [one.std for one in others]),
+            away=np.insert(self.away[stay], at, np.zeros(len(others))),
+            columns=np.concatenate((self.columns[stay][:at], columns, self.columns[stay][at:])),
+            rows=np.concatenate((self.rows[stay][:at], rows, self.rows[stay][at:])),
+            own=np.insert(self.own[stay], at, np.zeros(len(others), dtype=np.bool_)),
         )
 
     @property

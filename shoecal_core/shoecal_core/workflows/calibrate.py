@@ -40,6 +40,7 @@ from shoecal_core.estimation.checks.usable import (
     check_zeros,
 )
 from shoecal_core.estimation.fit import SelfCalibration, prior_of, self_calibrate
+from shoecal_core.estimation.freed_gears import free_gears
 from shoecal_core.estimation.initial_guess import initial_guess
 from shoecal_core.estimation.joint import corrected, fit_with_known, joint_calibration, of_joint
 from shoecal_core.estimation.joint_fit import JointFit
@@ -155,7 +156,7 @@ def calibrate_session(
     found += check_stances(data.of(train))
     found += check_axes(data.shoe, data.of(train))
     found += check_zeros(data.shoe, data.zeros, stages.parameters, data.robot.weight, own=rezero)
-    found = _check_sheets(fit, settings, assessment) + found + promise
+    found = _check_sheets(fit, settings, tolerances, assessment) + found + promise
     moved = _moved(calibrated["train"])
     verdict = _verdict(data, stages, modelled["self_calibration"], limits, found, assessment, moved)
     return CalibrationOutcome(
@@ -367,15 +368,18 @@ def _check_fit(fit: _Fit, settings: CalibrationSettings) -> list[Finding]:
 
 
 def _check_sheets(
-    fit: _Fit, settings: CalibrationSettings, assessment: Assessment
+    fit: _Fit, settings: CalibrationSettings, tolerances: Tolerances, assessment: Assessment
 ) -> list[Finding]:
     """What data sheets and the weight say; it comes first, as their errors are in all gains."""
     data, gains = fit.data, fit.stages.parameters
     if conflict := check_conflict(data.shoe, gains, fit.alone, settings.nominal_gain_std):
         return conflict
     gain_std = np.sqrt(np.diag(assessment.covariance)[: len(data.shoe.names)])
-    deviations = () if fit.joint is None else fit.joint.deviations
-    soles, robot = check_soles(data.shoe, deviations), check_robot(deviations)
+    soles, robot = list[Finding](), list[Finding]()
+    if fit.joint is not None:
+        deviations = fit.joint.deviations
+        soles = check_soles(data.shoe, deviations)
+        robot = check_robot(deviations, partial(free_gears, fit.joint, tolerances))
     # A likelier cause stands for what the fit made of it, unless that is too far off to be applied.
     found = soles or _check_legs(data) or robot
     if robot != found and any(one.verdict == "FAIL" for one in robot):

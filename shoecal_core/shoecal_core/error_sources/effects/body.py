@@ -164,23 +164,20 @@ class JointOffset:
 class _Give:
     """What lies between an encoder and its link, and gives with the torque."""
 
+    components: tuple[Component, ...]
+
+    def angles(self, signal_model: SignalModel, place: Place) -> Iterator[FloatArray]:
+        """(T, m) that encoders show more than the links' angles a unit [rad], in each form."""
+        raise NotImplementedError
+
+    def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
+        """Its forms, the ones that are likelier first."""
+        for change in self.angles(signal_model, place):
+            yield Shape((self.components[0].name,), signal_model.by_angles(change)[None])
+
     def places(self, signal_model: SignalModel) -> Iterator[Place]:
         """Every joint of the legs, and all alike."""
         return places.joints_and_all(signal_model)
-
-    def _free_shape(
-        self, signal_model: SignalModel, place: Place, name: str, given: FloatArray
-    ) -> Shape:
-        """Encoders at a place show `given` (T, m) more than the links' angles, a unit."""
-        change = self._at(signal_model, place, given)
-        return Shape((name,), signal_model.by_angles(change)[None])
-
-    def _held_shape(
-        self, signal_model: SignalModel, place: Place, name: str, given: FloatArray
-    ) -> Shape:
-        """The same once other joints have given way, so that soles stay on the floor."""
-        change = signal_model.held(self._at(signal_model, place, given))
-        return Shape((name,), signal_model.by_angles(change)[None])
 
     def _at(self, signal_model: SignalModel, place: Place, given: FloatArray) -> FloatArray:
         change = np.zeros_like(signal_model.samples.angles)
@@ -199,10 +196,11 @@ class JointCompliance(_Give):
         ),
     )
 
-    def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
-        """In proportion to the torque that it holds: with the soles held, or alone."""
-        for shape in (self._held_shape, self._free_shape):
-            yield shape(signal_model, place, "compliance", signal_model.torque)
+    def angles(self, signal_model: SignalModel, place: Place) -> Iterator[FloatArray]:
+        """(T, m) in proportion to the torque that it holds: with the soles held, or alone."""
+        given = self._at(signal_model, place, signal_model.torque)
+        yield signal_model.held(given)
+        yield given
 
 
 class Backlash(_Give):
@@ -211,16 +209,18 @@ class Backlash(_Give):
     identifier, group = "backlash", "body"
     components = (Component("play", "rad", 0.015, 0.0, form=7.0, as_built="gear_play_rad"),)
 
-    def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
-        """By the side to which the torque pushes, at once or over a while, with the soles held or
-        alone; or by the one to which friction drags.
+    def angles(self, signal_model: SignalModel, place: Place) -> Iterator[FloatArray]:
+        """(T, m) by the side to which the torque pushes, at once or over a while, with the soles
+        held or alone; or by the one to which friction drags.
         """
         torque = signal_model.torque
-        pushed = [0.5 * np.tanh(torque / friction) for friction in FRICTION]
-        for shape in (self._held_shape, self._free_shape):
-            for side in pushed:
-                yield shape(signal_model, place, "play", side)
-        yield self._held_shape(signal_model, place, "play", signal_model.samples.dragged)
+        pushed = [
+            self._at(signal_model, place, 0.5 * np.tanh(torque / friction)) for friction in FRICTION
+        ]
+        for side in pushed:
+            yield signal_model.held(side)
+        yield from pushed
+        yield signal_model.held(self._at(signal_model, place, signal_model.samples.dragged))
 
 
 class JointFriction(_Give):
@@ -234,6 +234,6 @@ class JointFriction(_Give):
     identifier, group = "joint_friction", "body"
     components = (Component("lag", "rad", 0.015, 0.0, as_built="gear_friction_rad"),)
 
-    def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
-        """From one side to the other by the way that it came."""
-        yield self._held_shape(signal_model, place, "lag", signal_model.samples.dragged)
+    def angles(self, signal_model: SignalModel, place: Place) -> Iterator[FloatArray]:
+        """(T, m) from one side to the other by the way that it came."""
+        yield signal_model.held(self._at(signal_model, place, signal_model.samples.dragged))

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
 from shoecal_core.arrays import IntArray
+from shoecal_core.estimation.freed_gears import FreedGears
 from shoecal_core.estimation.joint_fit import FittedDeviation
 from shoecal_core.estimation.known import Since
 from shoecal_core.planning.supports.identifiability import Identifiability
@@ -43,6 +44,12 @@ ROBOT_WORDS = {
 MANY_ZEROS = 4
 """Joints whose zeros are far off at once, from which a length is the likelier cause: a lower leg
 that is 20 mm longer moves the zeros of nine joints by 4 to 10 tolerances."""
+STAYS = 0.75
+"""Part of a far value from which it counts as the same where gears are free."""
+FITS_BETTER = 0.8
+"""Part of the misfit that free gears leave, below which they are likelier than what was far off.
+Where gears that give by 10 mrad/(N m) were taken for zeros, they left 0.1 to 0.6, and the CoP of
+a foot was 3 to 20 mm off where 3 to 4 were expected."""
 SOLE_WORDS = {"x": ("behind", "in front"), "y": ("to the right", "to the left")}
 """What a shift against and along each axis of the sole is called."""
 MOST_WIDTHS = 0.5
@@ -169,46 +176,108 @@ def check_soles(shoe: Shoe, deviations: Sequence[FittedDeviation]) -> list[Findi
     ]
 
 
-def check_robot(deviations: Sequence[FittedDeviation]) -> list[Finding]:
+def check_robot(
+    deviations: Sequence[FittedDeviation], free: Callable[[], FreedGears] | None = None
+) -> list[Finding]:
     """What the fit takes the robot for, where that is far from what its files say.
 
     Args:
         deviations: of the fit.
+        free: solves it once more with gears in every form, which is asked for where zeros are far
+            off; None: it cannot be.
     """
-    far = [
-        (abs(one.value) / one.deviation.std, one)
-        for one in deviations
-        if one.deviation.effect in ROBOT_WORDS
-        and abs(one.value) > FAR_STDS * one.deviation.std > 0.0
-    ]
+    far = _far(deviations)
     if not far:
         return []
-    far.sort(key=lambda one: -one[0])
-    found, cures = list[str](), dict[str, None]()
-    for times, one in far[:MOST_LISTED]:
-        text, scale, cure = ROBOT_WORDS[one.deviation.effect]
-        cures[cure] = None
-        axis = (one.deviation.component,) if one.deviation.effect == "link_com" else ()
-        place = " ".join((*one.deviation.location, *axis))
-        found.append(f"{text.format(place, scale * abs(one.value))} ({times:.0f} tolerances)")
-    zeros = sum(one.deviation.effect == "joint_offset" for _, one in far)
+    verdict = "FAIL" if far[0][0] > REFUSED_STDS else "WARN"
+    freed = free() if free and any(map(_of_zero, far)) else None
+    stay, else_gears = (far, []) if freed is None else _split(far, freed)
+    # Whichever it is, the fit that is used holds the far values.
+    found = [Finding(verdict, _gears_or(else_gears, freed))] if freed and else_gears else []
+    if not stay:
+        return found
+    zeros = sum(map(_of_zero, stay))
     many = (
         f" ({zeros} zeros at once: gears that give, or a link of the legs longer or shorter than "
         "in the URDF, look so)"
         if zeros >= MANY_ZEROS
         else ""
     )
+    cures = dict.fromkeys(ROBOT_WORDS[one.deviation.effect][2] for _, one in stay[:MOST_LISTED])
     cure = f"correct {' and '.join(cures)}, then calibrate again"
-    if far[0][0] > REFUSED_STDS:
+    if stay[0][0] > REFUSED_STDS:
         return [
             Finding(
                 "FAIL",
-                f"by the fit {'; '.join(found)}{many}: robots are not so far off their files, so "
+                f"by the fit {_off(stay)}{many}: robots are not so far off their files, so "
                 "cells or soles may be placed wrongly instead (position_m of the shoe file, "
                 f"sole_xyz_m of the robot file); else {cure}, or give a larger tolerance",
-            )
+            ),
+            *found,
         ]
-    return [Finding("WARN", f"by the fit {'; '.join(found)}{many}: {cure}")]
+    return [Finding("WARN", f"by the fit {_off(stay)}{many}: {cure}"), *found]
+
+
+_Far = tuple[float, FittedDeviation]
+"""Standard deviations as built by which the robot is off its files, and in what."""
+
+
+def _far(deviations: Sequence[FittedDeviation]) -> list[_Far]:
+    """The worst first."""
+    far = [
+        (abs(one.value) / one.deviation.std, one)
+        for one in deviations
+        if one.deviation.effect in ROBOT_WORDS
+        and abs(one.value) > FAR_STDS * one.deviation.std > 0.0
+    ]
+    return sorted(far, key=lambda one: -one[0])
+
+
+def _of_zero(far: _Far) -> bool:
+    return far[1].deviation.effect == "joint_offset"
+
+
+def _split(far: Sequence[_Far], freed: FreedGears) -> tuple[list[_Far], list[_Far]]:
+    """What stays off where gears are free, as much as it is then, and what does not."""
+    values = {one.deviation.key: one for one in freed.deviations}
+    stay, gone = list[_Far](), list[_Far]()
+    for times, one in far:
+        now = values[one.deviation.key]
+        left = abs(now.value) / now.deviation.std
+        if left > min(FAR_STDS, STAYS * times):
+            stay.append((left, now))
+        else:
+            gone.append((times, one))
+    return sorted(stay, key=lambda one: -one[0]), gone
+
+
+def _off(far: Sequence[_Far]) -> str:
+    """By how much the robot is off its files, in words."""
+    found = []
+    for times, one in far[:MOST_LISTED]:
+        text, scale, _ = ROBOT_WORDS[one.deviation.effect]
+        axis = (one.deviation.component,) if one.deviation.effect == "link_com" else ()
+        place = " ".join((*one.deviation.location, *axis))
+        found.append(f"{text.format(place, scale * abs(one.value))} ({times:.0f} tolerances)")
+    return "; ".join(found)
+
+
+def _gears_or(far: Sequence[_Far], freed: FreedGears) -> str:
+    """What is off, or else gears give: by how much, and how well that fits."""
+    most = max(freed.given, key=lambda joint: freed.given[joint])
+    mean = float(np.mean(list(freed.given.values())))
+    fits = (
+        f"that leaves {freed.cost_share:.0%} of the misfit, so it is likelier, and the CoP may be "
+        "off by more than expected"
+        if freed.cost_share < FITS_BETTER
+        else "the data do not tell these apart"
+    )
+    return (
+        f"by the fit {_off(far)}; or gears give and have play, which turns links by "
+        f"{1e3 * mean:.0f} mrad in the mean, {most} by {1e3 * freed.given[most]:.0f}: {fits}; "
+        "hold the motors and push the links: tighten or replace what gives; else correct "
+        "the zeros that a jig shows to be off, then calibrate again"
+    )
 
 
 def check_missing(runs: Sequence[int]) -> list[Finding]:

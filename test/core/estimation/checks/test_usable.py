@@ -20,6 +20,7 @@ from shoecal_core.estimation.checks.usable import (
     check_soles,
 )
 from shoecal_core.estimation.fit import self_calibrate
+from shoecal_core.estimation.freed_gears import FreedGears
 from shoecal_core.estimation.initial_guess import InitialGuess
 from shoecal_core.estimation.joint_fit import FittedDeviation
 from shoecal_core.planning.settings import PlannerSettings
@@ -269,3 +270,55 @@ def test_what_the_fit_takes_the_robot_for() -> None:
     many = [fitted("joint_offset", joint, "angle", 0.028, 0.004) for joint in joints]
     assert "a link of the legs" not in check_robot(many[:3])[0].reason
     assert "4 zeros at once: gears that give, or a link of the legs" in check_robot(many)[0].reason
+
+
+def freed(values: dict[str, float], cost_share: float) -> FreedGears:
+    """Zeros of joints [rad], with gears that are free."""
+    zeros = [
+        fitted("joint_offset", joint, "angle", value, 0.004) for joint, value in values.items()
+    ]
+    return FreedGears(tuple(zeros), {"LKneePitch": 0.012, "RKneePitch": 0.006}, cost_share)
+
+
+@pytest.mark.parametrize(
+    ("left", "share", "told"),
+    [
+        (0.028, 0.3, [("LKneePitch", "28 mrad (7 tolerances): correct the zeros of the joints")]),
+        (0.021, 0.3, [("LKneePitch", "21 mrad (5 tolerances): correct the zeros of the joints")]),
+        (0.015, 0.3, [("LKneePitch", "30 mrad (8 tolerances); or gears give and have play, ")]),
+        (0.015, 0.3, [("LKneePitch", "turns links by 9 mrad in the mean, LKneePitch by 12: ")]),
+        (0.015, 0.3, [("LKneePitch", "that leaves 30% of the misfit, so it is likelier")]),
+        (0.015, 0.9, [("LKneePitch", "LKneePitch by 12: the data do not tell these apart")]),
+    ],
+)
+def test_zeros_that_gears_explain_are_told_as_either(
+    left: float, share: float, told: list[tuple[str, str]]
+) -> None:
+    found = fitted("joint_offset", "LKneePitch", "angle", 0.030, 0.004)
+    (finding,) = check_robot([found], lambda: freed({"LKneePitch": left}, share))
+    assert finding.verdict == "WARN"
+    for joint, text in told:
+        assert finding.reason.startswith(f"by the fit the zero of {joint} is off by ")
+        assert text in finding.reason
+
+
+def test_a_zero_that_stays_is_told_apart_from_those_that_gears_explain() -> None:
+    values = {"LKneePitch": 0.044, "RKneePitch": 0.030}
+    zeros = [fitted("joint_offset", joint, "angle", one, 0.004) for joint, one in values.items()]
+    stays, either = check_robot(
+        zeros, lambda: freed({"LKneePitch": 0.036, "RKneePitch": 0.005}, 0.2)
+    )
+    # The fit that is used is refused, whichever it is.
+    assert (stays.verdict, either.verdict) == ("WARN", "FAIL")
+    assert "LKneePitch is off by 36 mrad" in stays.reason
+    assert "RKneePitch is off by 30 mrad" in either.reason
+
+
+def test_gears_are_freed_only_where_a_zero_is_far_off() -> None:
+    def never() -> FreedGears:
+        raise AssertionError
+
+    com = fitted("link_com", "base_link", "x", 0.024, 0.003)
+    zero = fitted("joint_offset", "LKneePitch", "angle", 0.015, 0.004)
+    assert check_robot([zero], never) == []
+    assert len(check_robot([com, zero], never)) == 1
