@@ -44,7 +44,7 @@ from shoecal_core.robot.joint_centres import own_joints
 from shoecal_core.robot.link_shapes import Shapes, find_shapes
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot
-from shoecal_core.robot.urdf import UrdfError, is_limitless
+from shoecal_core.robot.urdf import DEGREES_FROM, UrdfError, is_limitless
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.shoe_file import load_shoe
 
@@ -149,6 +149,16 @@ class Draft:
         joints = self.body.root.iter("joint")
         limitless = {joint.get("name") for joint in joints if is_limitless(joint)}
         return [name for name in self.leg_names if name in limitless]
+
+    @property
+    def beyond_turns(self) -> list[str]:
+        """Of the legs: joints whose limits are so many turns that they may be degrees."""
+        return [
+            str(self.body.model.names[joint])
+            for chain in self.legs.chains
+            for joint in chain
+            if max(map(abs, self.body.range(joint))) > DEGREES_FROM
+        ]
 
     @property
     def clipped(self) -> list[str]:

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import pinocchio as pin
 
 from shoecal_core.arrays import FloatArray
 from shoecal_core.drafting.body import Body
@@ -55,6 +56,7 @@ def find_legs(body: Body) -> LegChains:
     pairs = _pairs(body, ends, LIKE)
     _check_alike(body, pairs, _pairs(body, ends, ALMOST))
     if not pairs:
+        _check_fixed(body)
         listed = ", ".join(str(body.model.names[chain[-1]]) for chain in ends)
         raise UrdfError(
             body.urdf,
@@ -162,6 +164,7 @@ def _check_feet(
     names = [str(body.model.names[joint]) for joint in chains[0]]
     length = _height(body, chains[0][:1]) - _height(body, chains[0])
     if length <= 0.0 or any(ARM.search(name) for name in names):
+        _check_fixed(body)
         raise UrdfError(
             body.urdf,
             f"has no feet: the lowest two like chains ({', '.join(names)} and its mirror image) "
@@ -191,6 +194,32 @@ def _check_feet(
             f"its legs have {len(motors)} motors ({', '.join(names)} and its mirror image); two "
             f"feet that stay in place and a body that moves need {LEAST_MOTORS} or more",
         )
+
+
+def _check_fixed(body: Body) -> None:
+    """Refuse a joint that is fixed in one leg and moves in the other, by its name."""
+    moving = {str(name) for name in body.model.names}
+    fixed = [str(one.name) for one in body.model.frames if one.type == pin.FrameType.FIXED_JOINT]
+    for name in fixed:
+        like = sorted(_other_side(name) & moving)
+        if like and not ARM.search(name):
+            raise UrdfError(
+                body.urdf,
+                f"is fixed, but {like[0]} moves, so no two legs are alike; give it type revolute "
+                "and its limits, or fix both",
+                field=f"joint {name}",
+            )
+
+
+def _other_side(name: str) -> set[str]:
+    """Names that a joint's like on the other side may have."""
+    words = [("left", "right"), ("Left", "Right"), ("LEFT", "RIGHT"), ("l", "r"), ("L", "R")]
+    return {
+        name[: found.start()] + new + name[found.end() :]
+        for pair in words
+        for old, new in (pair, pair[::-1])
+        for found in re.finditer(old, name)
+    }
 
 
 def _left_first(names: Sequence[Sequence[str]]) -> bool | None:

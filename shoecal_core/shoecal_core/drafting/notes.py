@@ -77,6 +77,15 @@ def robot_notes(draft: Draft) -> list[Note]:
                 "give the motors' limits there (type revolute, lower and upper).",
             )
         )
+    if draft.beyond_turns:
+        notes.append(
+            Note(
+                "legs",
+                f"{', '.join(draft.beyond_turns)}: limits in the URDF are more than a turn and a "
+                "half either way.",
+                "they are in rad, not in degrees.",
+            )
+        )
     if draft.body.locked:
         notes.append(
             Note(

@@ -136,7 +136,7 @@ def load_robot(
         legs=_legs(fields, model, names, shared, feet),
         shared=shared,
         posture=_posture(fields, model, names, shared),
-        optional=frozenset(_known_joints(fields, "optional_joints", names)),
+        optional=frozenset(_known_joints(fields, "optional_joints", model, names)),
         capsules=capsules,
         collision_pairs=_pairs(fields, capsules),
         support_range=_support_range(fields.mapping("support_range")),
@@ -266,7 +266,7 @@ def _legs(
     shared: tuple[SharedMotor, ...],
     feet: tuple[Foot, Foot],
 ) -> IntArray:
-    legs = _known_joints(fields, "legs", names)
+    legs = _known_joints(fields, "legs", model, names)
     if len(legs) < 6:
         raise fields.error("legs", f"{len(legs)} joints cannot keep two feet in place")
     leaders = {names[motor.joint]: names[motor.leader] for motor in shared}
@@ -287,12 +287,22 @@ def _legs(
     return np.array([names.index(name) for name in legs])
 
 
-def _known_joints(fields: Fields, key: str, names: list[str]) -> list[str]:
+def _known_joints(fields: Fields, key: str, model: pin.Model, names: list[str]) -> list[str]:
     found = fields.texts(key) if key in fields else []
     for name in found:
         if name not in names:
-            raise fields.error(key, f"the URDF has no joint '{name}'; {meant(name, names)}")
+            raise fields.error(key, _unknown(name, model, names))
     return found
+
+
+def _unknown(name: str, model: pin.Model, names: list[str]) -> str:
+    """Why a name is that of no joint which moves, with the cure."""
+    if model.existFrame(name, pin.FrameType.FIXED_JOINT):
+        return (
+            f"joint '{name}' is fixed in the URDF, by its type or by limits that are one angle; "
+            "give it type revolute and its limits there, or leave it out here"
+        )
+    return f"the URDF has no joint '{name}'; {meant(name, names)}"
 
 
 def _deflection(fields: Fields) -> JointDeflection:
@@ -314,7 +324,7 @@ def _posture(
     posture = np.zeros(len(names))
     for name in block.keys():
         if name not in names:
-            raise block.error(name, f"the URDF has no such joint; {meant(name, names)}")
+            raise block.error(name, _unknown(name, model, names))
         posture[names.index(name)] = block.number(name)
     for motor in shared:
         follower = motor.ratio * posture[motor.leader]

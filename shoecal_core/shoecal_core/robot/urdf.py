@@ -32,6 +32,8 @@ MAX_INERTIA = 1e6
 """kg m^2, likewise."""
 MAX_DISTANCE = 1e3
 """m; no part of a robot is farther from the next."""
+DEGREES_FROM = 10.0
+"""rad; no part is turned by more against the next, so angles from here on are degrees."""
 MAX_DEPTH = 100
 """Elements within each other; a URDF has five, what extends it some more. Trees are walked by
 recursion."""
@@ -343,11 +345,7 @@ def name_links(links: Sequence[str]) -> str:
 
 def _lost(reader: _Reader, model: pin.Model) -> str:
     """The links whose mass the parser dropped, where that is known."""
-    links = [
-        link
-        for link in reader.masses
-        if link in reader.displaced or not model.existFrame(link, pin.FrameType.BODY)
-    ]
+    links = [link for link in reader.masses if not model.existFrame(link, pin.FrameType.BODY)]
     return f" ({name_links(links)})" if links else ""
 
 
@@ -380,7 +378,6 @@ class _Reader:
     Attributes:
         masses: of each link as it is written down [kg].
         unweighed: links whose <inertial> has no <mass>, which the parser leaves out.
-        displaced: links whose <inertial> is at no place, likewise.
         mimics: by the name of the joint that follows.
         locked: joints whose limits are one.
     """
@@ -388,7 +385,6 @@ class _Reader:
     def __init__(self, path: Path, text: str) -> None:
         self.masses: dict[str, float] = {}
         self.unweighed: list[str] = []
-        self.displaced: list[str] = []
         self.mimics: dict[str, Mimic] = {}
         self.locked: list[str] = []
         self._path = path
@@ -402,7 +398,7 @@ class _Reader:
     def _start(self, tag: str, attributes: dict[str, str]) -> None:
         self._place.append(tag)
         if tag == "origin" and self._place[:2] in _PARTS:
-            self._check_origin(attributes.get("xyz", ""))
+            self._check_origin(attributes)
         if self._place in _PARTS:
             self._name = attributes.get("name", "")
             self._kind = attributes.get("type", "")
@@ -439,8 +435,6 @@ class _Reader:
     def _start_of_inertial(self, tag: str, attributes: dict[str, str]) -> None:
         if tag == "mass":
             self.masses[self._name] = _mass(self._path, self._name, attributes.get("value", ""))
-        elif tag == "origin" and not all(map(_is_vector, attributes.values())):
-            self.displaced.append(self._name)
         elif tag == "inertia":
             for key, text in attributes.items():
                 self._check_inertia(key, text)
@@ -464,13 +458,29 @@ class _Reader:
             )
         return number
 
-    def _check_origin(self, text: str) -> None:
-        # What is no number, or none that is finite, is noticed elsewhere.
-        if any(MAX_DISTANCE < abs(_number(part)) < math.inf for part in text.split()):
-            problem = f'xyz="{text[:90]}" of its <origin> is farther than {MAX_DISTANCE:g} m'
+    def _check_origin(self, attributes: Mapping[str, str]) -> None:
+        field = f"{self._place[1]} {self._name}"
+        for key, unit, most in (("xyz", "metres", MAX_DISTANCE), ("rpy", "rad", DEGREES_FROM)):
+            text = attributes.get(key, "0 0 0")
+            given = f'{key}="{text[:90]}" of its {self._where()}'
+            # Shapes are not needed here: what reads them looks at their places.
+            if self._place[2] in ("inertial", "origin") and not _is_vector(text):
+                raise UrdfError(
+                    self._path, f"{given} is not three numbers; give three, in {unit}", field=field
+                )
+            if not any(most < abs(_number(part)) < math.inf for part in text.split()):
+                continue
+            if key == "xyz":
+                raise UrdfError(
+                    self._path, f"{given} is farther than {most:g} m; give metres", field=field
+                )
             raise UrdfError(
-                self._path, f"{problem}; give metres", field=f"{self._place[1]} {self._name}"
+                self._path, f"{given} is more than a turn: in degrees? Give rad", field=field
             )
+
+    def _where(self) -> str:
+        """The element that is read, and what it is in within its link or joint."""
+        return " in ".join(f"<{tag}>" for tag in self._place[:1:-1])
 
     def _check_inertia(self, key: str, text: str) -> None:
         # What is no number the parser drops with the whole inertial, which is noticed there.

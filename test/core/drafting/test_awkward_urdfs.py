@@ -235,6 +235,21 @@ def test_a_revolute_joint_with_no_more_than_a_motor_is_limitless(tmp_path: Path)
     assert found.body.range(joint) == pytest.approx((-np.pi, np.pi))
 
 
+def test_a_joint_that_is_fixed_in_one_leg_is_named(tmp_path: Path) -> None:
+    """Or what is left of the leg is no leg, and the arms are taken for both."""
+    urdf = edited(tmp_path, "wren", '"left_ankle_sway" type="revolute"',
+                  '"left_ankle_sway" type="fixed"')  # fmt: skip
+    with pytest.raises(FileError, match=r"left_ankle_sway: is fixed, but right_ankle_sway moves"):
+        drafted(urdf)
+
+
+def test_limits_that_may_be_degrees_are_to_be_checked(tmp_path: Path) -> None:
+    limits = r'(<joint name="left_knee".*?<limit) lower="[^"]*" upper="[^"]*"'
+    found = drafted(edited(tmp_path, "wren", limits, r'\1 lower="-1.7" upper="126"'))
+    assert "left_knee: limits in the URDF are more than a turn and a half" in told(found)
+    assert "more than a turn" not in told(draft("wren"))
+
+
 @pytest.mark.parametrize("heavy", [False, True])
 def test_a_base_that_floats_in_the_world_is_the_root(heavy: bool, tmp_path: Path) -> None:
     """As MuJoCo wants it; a link with mass is no world."""

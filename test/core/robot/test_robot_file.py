@@ -305,7 +305,7 @@ BAD: dict[str, tuple[tuple[Key, ...], object, str, str]] = {
     ),
     "no posture": (("posture_rad",), DELETE, "posture_rad", "is missing"),
     "a posture of no joint": (
-        ("posture_rad", "left_ear"), 0, "posture_rad.left_ear", "no such joint"
+        ("posture_rad", "left_ear"), 0, "posture_rad.left_ear", "no joint 'left_ear'"
     ),
     "a joint that is mistyped": (
         ("posture_rad", "left_kne"), 0, "posture_rad.left_kne", "did you mean 'left_knee'?"
@@ -465,14 +465,22 @@ BAD_URDF = {
         'izz="[^"]*"', 'izz="1e308"', "link base_link", 'izz="1e308" is not a moment of inertia'
     ),
     "a mass beyond reach": (
-        'xyz="0.01 0 0.09"', 'xyz="-1e308 0 0.09"', "link chest", "its <origin> is farther than"
+        'xyz="0.01 0 0.09"', 'xyz="-1e308 0 0.09"', "link chest", "in <inertial> is farther than"
     ),
     "a joint beyond reach": (
         r'(<joint name="waist_pitch".*?xyz=")[^"]*', r"\g<1>0 2000 0", "joint waist_pitch",
         'xyz="0 2000 0" of its <origin> is farther than 1000 m; give metres',
     ),
     "an inertial the parser drops": (
-        'xyz="0.01 0 0.09"', 'xyz="nan 0 0.09"', "inertial", "hangs on the base (link chest)"
+        'xyz="0.01 0 0.09"', 'xyz="nan 0 0.09"', "link chest", "is not three numbers; give three"
+    ),
+    "a CoM of two numbers": (
+        'xyz="0.01 0 0.09"', 'xyz="0.01 0.09"', "link chest",
+        'xyz="0.01 0.09" of its <origin> in <inertial> is not three numbers; give three, in m',
+    ),
+    "a joint turned by degrees": (
+        r'(<joint name="waist_pitch".*?rpy=")[^"]*', r"\g<1>90 0 0", "joint waist_pitch",
+        'rpy="90 0 0" of its <origin> is more than a turn: in degrees? Give rad',
     ),
     "a body that hangs on itself": (
         '<parent link="base_link"/>\n    <child link="chest"/>',
@@ -522,7 +530,7 @@ BAD_URDF = {
         'axis xyz="0 1 0"', 'axis xyz="0 0 0"', "joint waist_pitch", "no direction"
     ),
     "an axis that is none": ('axis xyz="0 1 0"', 'axis xyz="nan 1 0"', "", "not a usable URDF"),
-    "a joint nowhere": ('xyz="0 0 0.06"', 'xyz="0 0 inf"', "", "not a usable URDF"),
+    "a joint nowhere": ('xyz="0 0 0.06"', 'xyz="0 0 inf"', "joint waist_pitch", "not three"),
 }  # fmt: skip
 
 
@@ -624,3 +632,13 @@ def test_impossible_friction_and_deflection_are_refused(
 ) -> None:
     path = mutations.write_edited(folder / NAO.name, NAO, (key, value))
     assert mutations.refused(path, lambda: load_robot(path)).field == ".".join(map(str, key))
+
+
+def test_a_leg_joint_that_is_fixed_is_told_so(folder: Path) -> None:
+    """Not that the URDF has none of that name."""
+    path = respelled(folder, '(name="left_hip_yaw" type=)"revolute"', r'\1"fixed"')
+    error = mutations.refused(path, lambda: load_robot(path))
+    assert (error.field, "joint 'left_hip_yaw' is fixed in the URDF" in error.problem) == (
+        "legs",
+        True,
+    )
