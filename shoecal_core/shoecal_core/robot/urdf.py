@@ -463,8 +463,9 @@ class _Reader:
         for key, unit, most in (("xyz", "metres", MAX_DISTANCE), ("rpy", "rad", DEGREES_FROM)):
             text = attributes.get(key, "0 0 0")
             given = f'{key}="{text[:90]}" of its {self._where()}'
-            # Shapes are not needed here: what reads them looks at their places.
-            if self._place[2] in ("inertial", "origin") and not _is_vector(text):
+            # Shapes may be wrong: neither kinematics nor masses need them.
+            moves = self._place[2] in ("inertial", "origin")
+            if moves and not _is_vector(text):
                 raise UrdfError(
                     self._path, f"{given} is not three numbers; give three, in {unit}", field=field
                 )
@@ -474,9 +475,10 @@ class _Reader:
                 raise UrdfError(
                     self._path, f"{given} is farther than {most:g} m; give metres", field=field
                 )
-            raise UrdfError(
-                self._path, f"{given} is more than a turn: in degrees? Give rad", field=field
-            )
+            if moves:
+                raise UrdfError(
+                    self._path, f"{given} is more than a turn: in degrees? Give rad", field=field
+                )
 
     def _where(self) -> str:
         """The element that is read, and what it is in within its link or joint."""

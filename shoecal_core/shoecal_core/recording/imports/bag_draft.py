@@ -34,6 +34,7 @@ from shoecal_core.recording.imports.bag_match import (
     what_is_there,
 )
 from shoecal_core.recording.imports.mapping import ANGLE_UNIT, FORMAT
+from shoecal_core.recording.imports.named_numbers import named_twice, uneven
 from shoecal_core.recording.imports.replayed import describe_replayed
 from shoecal_core.recording.imports.standing import find_feet
 from shoecal_core.recording.joint_series import (
@@ -244,7 +245,7 @@ def _angles(
     bag: Bag, joints: Match, robot: Robot, span: tuple[float, float] | None = None
 ) -> dict[str, JointSeries]:
     """Of the robot's joints, as `_series`."""
-    series = _series(bag, joints, span)
+    series = _series(bag, joints, span, robot.joint_names)
     return {name: one for name, one in series.items() if name in robot.joint_names}
 
 
@@ -257,14 +258,22 @@ def _degrees(angles: Series, robot: Robot) -> bool:
     return False
 
 
-def _series(bag: Bag, match: Match, span: tuple[float, float] | None) -> dict[str, JointSeries]:
+def _series(
+    bag: Bag, match: Match, span: tuple[float, float] | None, known: Sequence[str] = ()
+) -> dict[str, JointSeries]:
     """What the messages of some topics name, by when they were received since the bag's start [s].
 
     Args:
         match: joints or cells, and their topics.
         span: part of the bag since its first message [s]; None: all of it.
+        known: names that each message may have once.
+
+    Raises:
+        RecordingError: where no message has a number for each of its names, or one has a name
+            twice.
     """
     rows: dict[tuple[str, ...], list[tuple[float, FloatArray]]] = defaultdict(list)
+    problems: dict[str, str] = {}
     for message in bag.messages(match.topics, *(span or ())):
         content, fields = message.content, match.fields.get(message.topic)
         if fields is not None:
@@ -275,8 +284,15 @@ def _series(bag: Bag, match: Match, span: tuple[float, float] | None) -> dict[st
             names = tuple(match.rename.get(name, name) for name in named)
         if len(values) == len(names):
             rows[names].append((1e-9 * (message.received_ns - bag.start_ns), values))
+        elif hasattr(content, "name"):
+            problems.setdefault(message.topic, uneven(content))
+    if problems and not rows:
+        topic, problem = next(iter(problems.items()))
+        raise RecordingError(bag.path, problem, field=topic)
     pieces: dict[str, list[tuple[FloatArray, FloatArray]]] = defaultdict(list)
     for names, own in rows.items():
+        if problem := named_twice(names, known):
+            raise RecordingError(bag.path, problem, field=", ".join(match.topics))
         times, values = (np.array(part, dtype=np.float64) for part in zip(*own, strict=True))
         for name, column in zip(names, values.T, strict=True):
             pieces[name].append((times, column))

@@ -35,6 +35,7 @@ from shoecal_core.recording.imports.bag_match import first_text
 from shoecal_core.recording.imports.foreign import ImportedRun, StampedMessage, Stamps
 from shoecal_core.recording.imports.imported_angles import check_angles
 from shoecal_core.recording.imports.mapping import BAG, Trial
+from shoecal_core.recording.imports.named_numbers import named_twice, uneven
 from shoecal_core.recording.imports.names import without_prefix
 from shoecal_core.recording.imports.replayed import describe_replayed, replayed
 from shoecal_core.recording.join import few_digits, in_order, two_orders, two_orders_text
@@ -269,10 +270,7 @@ class _Importer:
             quantities: tuple[str, ...] = ("position", "effort")[: 1 + with_effort]
             by_names[tuple(one.name), quantities].append(place)
         if not by_names:
-            raise received.error(
-                "none of its messages has a position for each of its names; name the topic of the "
-                "measured joint angles in the mapping"
-            )
+            raise received.error(uneven(received.contents[0]))
         if without:
             received.note(f"{without} messages without joint angles left out")
         senders = {key: received.part(places) for key, places in by_names.items()}
@@ -285,7 +283,7 @@ class _Importer:
             renamed = [self._mapping.joints.rename.get(name, name) for name in names]
             own = [place for place, name in enumerate(renamed) if name in self._urdf.joints]
             unknown |= set(renamed) - self._urdf.joints
-            self._require_once(received.topic, renamed)
+            self._require_once(received, renamed)
             if not own:
                 continue
             stamps, rows = sent.ordered(
@@ -303,11 +301,15 @@ class _Importer:
             received.note(f"joints that the robot lacks left out: {_few(unknown)}")
         return found
 
-    def _require_once(self, topic: str, names: Sequence[str]) -> None:
-        """Refuse joints that a field of another topic gives, too."""
+    def _require_once(self, received: _Received, names: Sequence[str]) -> None:
+        """Refuse joints that one message names twice, or a field of another topic gives, too."""
+        if problem := named_twice(names, sorted(self._urdf.joints)):
+            raise received.error(problem)
         by_path = chain.from_iterable(one.values() for one in self._mapping.joints.fields.values())
         if twice := sorted(set(by_path) & set(names)):
-            problem = f"'{twice[0]}' is given by a field and by {topic}; leave one of them out"
+            problem = (
+                f"'{twice[0]}' is given by a field and by {received.topic}; leave one of them out"
+            )
             raise FieldError(self._mapping.head.path, problem, field="joints")
 
     def _voltages(self, received: _Received) -> list[StampedMessage]:

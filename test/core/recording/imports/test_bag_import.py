@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import tracemalloc
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -757,25 +758,53 @@ def test_a_folder_without_metadata(lab: Lab, files: list[str], problem: str) -> 
     assert "`ros2 bag reindex" in str(caught.value)
 
 
-def test_joints_without_angles_are_refused(lab: Lab) -> None:
+def test_a_joint_without_angles_is_refused(lab: Lab) -> None:
     names = list(lab.joints)
-    knee = names.index("left_knee")
-    for name, positions, problem in (
-        (
-            "one",
-            np.where(np.arange(len(names)) == knee, np.nan, 0.0),
-            "one: holds no angle of joint 'left_knee'",
-        ),
-        ("all", [], "all: /joint_states: none of its messages has a position for each of its"),
-    ):
-        bag = bags.BagWriter(lab.folder, name, "mcap")
-        for time in np.arange(0.0, 0.5, 0.01):
-            bag.add(time, "/joint_states", bag.joint_state(time, names, positions))
-            bag.feet(time, ["left"])
-        lab.draft(bag.close())
-        with pytest.raises(FileError) as caught:
-            lab.imported()
-        assert problem in str(caught.value)
+    angles = np.where(np.array(names) == "left_knee", np.nan, 0.0)
+    lab.draft(joint_states(lab, names, angles))
+    with pytest.raises(FileError, match="joints: holds no angle of joint 'left_knee'"):
+        lab.imported()
+
+
+@pytest.mark.parametrize("drafted", [True, False])
+@pytest.mark.parametrize(
+    ("more", "positions", "problem"),
+    [
+        ([], 0, "none of its messages has a position for each of its names (the first has"),
+        ([], -2, "correct its sender, or name the topic of the measured joint angles"),
+        (["left_knee"], None, "names 'left_knee' twice, so which of its numbers count is not"),
+    ],
+)
+def test_joint_states_of_other_numbers_than_names_are_named(
+    lab: Lab, more: list[str], positions: int | None, problem: str, drafted: bool
+) -> None:
+    """Positions left out, two fewer than names, and a name twice."""
+    names = [*lab.joints, *more]
+    bag = joint_states(lab, names, np.zeros(len(names))[:positions])
+    if not drafted:
+        lab.draft(joint_states(lab, lab.joints, np.zeros(len(lab.joints)), "sound"))
+        lab.edit(trials=[{"motion": "standing", "bag": bag.name, "support": [0.0, -0.1, 0.0]}])
+    with pytest.raises(FileError) as caught:
+        lab.draft(bag) if drafted else lab.imported()
+    assert f"{bag.name}: /joint_states: " in str(caught.value)
+    assert problem in str(caught.value)
+
+
+def test_a_name_twice_of_what_is_no_joint_of_the_robot_is_left_out(lab: Lab) -> None:
+    names = [*lab.joints, "gripper", "gripper"]
+    lab.draft(joint_states(lab, names, np.zeros(len(names))))
+    assert lab.imported().runs
+
+
+def joint_states(
+    lab: Lab, names: Sequence[str], positions: FloatArray, name: str = "joints"
+) -> Path:
+    """A bag of joint states with these names and positions, and of one foot."""
+    bag = bags.BagWriter(lab.folder, name, "mcap")
+    for time in np.arange(0.0, 0.5, 0.01):
+        bag.add(time, "/joint_states", bag.joint_state(time, list(names), positions))
+        bag.feet(time, ["left"])
+    return bag.close()
 
 
 def test_a_joint_that_the_robot_needs_is_asked_for(lab: Lab) -> None:
