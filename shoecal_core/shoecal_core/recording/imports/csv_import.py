@@ -82,7 +82,27 @@ class _Rows:
 
     def read(self, columns: tuple[CsvColumn, ...]) -> FloatArray:
         """(T, c) numbers, NaN for those that are not there; how many these are is noted."""
+        return self._noted(columns, self.table.read_all(columns)[self.kept])
+
+    def read_some(self, columns: tuple[CsvColumn, ...]) -> tuple[Stamps, FloatArray]:
+        """Stamps (k,) of the rows that have any value, and their (k, c) numbers; else of all.
+
+        What is logged faster than it is sampled, or in one table with something else, has rows
+        between its own; how many is noted.
+        """
         found = self.table.read_all(columns)[self.kept]
+        some = ~np.isnan(found).all(axis=1)
+        if some.all() or not some.any():
+            return self.stamps, self._noted(columns, found)
+        more = f" and {len(columns) - 1} more" if columns[1:] else ""
+        self.notes.append(
+            f"{self.table.path.name}: {int((~some).sum())} of {len(found)} rows have no value of "
+            f"'{columns[0].name}'{more}, and are left out of them"
+        )
+        return self.stamps[some], self._noted(columns, found[some])
+
+    def _noted(self, columns: tuple[CsvColumn, ...], found: FloatArray) -> FloatArray:
+        """Numbers (T, c) as they are; how many are not there is noted."""
         missing = np.isnan(found).sum(axis=0)
         if missing.any():
             worst = columns[int(np.argmax(missing))].name
@@ -135,8 +155,8 @@ class _Importer:
                 found += self._sensor(sensor, here, columns)
             if meaning.cells:
                 cells = self._columns(here.table, meaning.cells, "cells", self._shoe.names)
-                values = here.read(tuple(cells.values()))
-                found += foreign.voltages(here.stamps, tuple(cells), values)
+                stamps, values = here.read_some(tuple(cells.values()))
+                found += foreign.voltages(stamps, tuple(cells), values)
         source = next(tables[name].path for name, one in mapping.tables.items() if one.joints)
         return ImportedRun(source, trial, found, tuple(notes))
 
@@ -220,18 +240,19 @@ class _Importer:
                 continue
             here = rows[name]
             columns = self._columns(here.table, meaning.joints, "joints", self._joints)
+            stamps, position = here.read_some(tuple(columns.values()))
             effort = None
             if efforts:
-                effort = np.full((len(here.stamps), len(columns)), np.nan)
+                effort = np.full((len(stamps), len(columns)), np.nan)
                 for place, joint in enumerate(columns):
                     if joint in efforts:
-                        effort[:, place] = np.interp(here.stamps, measured.stamps, efforts[joint])
-            position = here.read(tuple(columns.values())) * self._mapping.head.angle_unit
+                        effort[:, place] = np.interp(stamps, measured.stamps, efforts[joint])
+            position = position * self._mapping.head.angle_unit
             for (joint, column), angles in zip(columns.items(), position.T, strict=True):
                 if joint not in self._optional and np.isnan(angles).all():
                     where = f"column '{column.name}'"
                     raise no_angles(here.table.path, joint, self._mapping.head.robot, where)
-            found += foreign.joint_states(here.stamps, tuple(columns), position, effort)
+            found += foreign.joint_states(stamps, tuple(columns), position, effort)
         return found
 
     def _sensor(self, sensor: str, rows: _Rows, columns: SensorColumns) -> list[StampedMessage]:

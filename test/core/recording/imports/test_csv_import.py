@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 
 import numpy as np
@@ -312,6 +313,19 @@ def test_readings_that_are_not_there(folder: Path, nothing: str) -> None:
     run = import_all(folder).read(1)
     np.testing.assert_allclose(run.readings.time, [0.0, 0.0405])
     assert "ft.csv: 1 values are not there, 1 of 3 of 'fz'" in run.notes
+
+
+def test_rows_without_any_value_are_no_messages(folder: Path) -> None:
+    """As where a logger writes faster than joints are sampled: nothing is missing there."""
+    first, *rows = POS.splitlines()
+    between = [re.sub(";0.1;(.*);-0.1;", r";;\1;;", rows[0].replace("0;", f"{at};", 1))
+               for at in (5, 10)]  # fmt: skip
+    (folder / "a" / "pos.csv").write_text("\n".join([first, rows[0], *between, *rows[1:], ""]))
+    (folder / "a" / "ft.csv").write_text(FT + "1;2;-3;4;5;6\n" * 2)
+    run = import_all(folder).read(1)
+    assert [note for note in run.notes if "pos.csv" in note] == [
+        "pos.csv: 2 of 5 rows have no value of 'LKneePitch' and 1 more, and are left out of them"
+    ]
 
 
 def test_joint_angles_that_are_not_there(folder: Path) -> None:
