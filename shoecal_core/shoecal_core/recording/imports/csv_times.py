@@ -28,6 +28,8 @@ RESTART_ROWS = 10
 SLOWEST_NS, FASTEST_NS = 1e9, 5e4
 """Between rows, usually: sensors of feet are sampled at 10 Hz to 10 kHz, and no robot at more than
 20 kHz. So milliseconds that are taken for microseconds are found down to 20 rows a second [ns]."""
+FEWEST_NUMBERS = 20
+"""Rows that are a second apart to the last digit, from which they count rows."""
 USUAL_NS = 1e7
 """Of units that are possible the likely one brings steps nearest to 100 rows a second [ns]."""
 EPOCH_NS = 10**18
@@ -246,6 +248,13 @@ def _check_unit(table: CsvTable, time: CsvColumn, nanoseconds: FloatArray) -> No
     Rows that come in packets are near to each other, too, though not on average.
     """
     steps = np.abs(np.diff(nanoseconds))
+    if len(steps) > FEWEST_NUMBERS and (steps == UNITS_NS["s"]).all():
+        raise table.error(
+            time.name,
+            0,
+            "rises by exactly 1 s from row to row: it numbers the rows, or is in ms, of 1000 rows "
+            "a second; name the column that has the times, or correct the unit of this one",
+        )
     usual, mean = _usual(steps), float(steps.mean()) if len(steps) else 0.0
     if not (usual > SLOWEST_NS or (0.0 < usual < FASTEST_NS and mean < FASTEST_NS)):
         return

@@ -73,6 +73,12 @@ def test_rows_in_another_unit_name_the_likely_one(folder: Path, rate: int, unit:
         assert f"no robot is sampled at, and {1.0 / rate:.3g} s in {unit}; correct" in problem
 
 
+@pytest.mark.parametrize("first", [0, 1])
+def test_numbers_of_rows_are_no_times(folder: Path, first: int) -> None:
+    problem = refused(folder, np.arange(first, first + 300), "s")
+    assert "rises by exactly 1 s from row to row: it numbers the rows, or is in ms" in problem
+
+
 def test_rows_in_packets_are_not_taken_for_another_unit(folder: Path) -> None:
     """Read one after the other from a buffer, 20 us apart, 20 of them every 0.2 s."""
     times = np.concatenate([200_000 * packet + 20 * np.arange(20) for packet in range(30)])
