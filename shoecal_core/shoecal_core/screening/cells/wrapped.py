@@ -79,7 +79,9 @@ def _span(parts: Sequence[FloatArray]) -> tuple[float, int]:
     whole = float(max(low[-1], high[-1] - span) - min(low[0], high[0] - span))
     goes_on = bool((np.abs(np.abs(steps[across]) - span) <= CLOSE * usual).all())
     moves = min(np.ptp(low), np.ptp(high)) > LEAST_MOVES * usual
-    if not (goes_on and moves and span > LEAST_SPAN * whole):
+    # A spike of one height begins and ends anywhere.
+    below = bool(high[-1] - span <= low[0] + CLOSE * usual)
+    if not (goes_on and moves and below and span > LEAST_SPAN * whole):
         return 0.0, 0
     return span, int(across.sum())
 

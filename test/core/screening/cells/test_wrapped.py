@@ -67,6 +67,14 @@ def test_a_contact_that_opens_does_not() -> None:
     assert not wrapped(recording(5).with_channel(2, open_now_and_then).runs)
 
 
+def test_spikes_of_one_height_do_not() -> None:
+    def spiky(_: int, values: FloatArray) -> FloatArray:
+        values[200:1400:60] += 5.0 * np.ptp(values)
+        return values
+
+    assert not wrapped(recording(5).with_channel(2, spiky).runs)
+
+
 def test_a_foot_that_steps_does_not() -> None:
     """In the air its cells tremble, on the floor they carry what they carry."""
     noise = np.random.default_rng(8).normal(0.0, 1e-3, (3000, 4))
