@@ -8,7 +8,7 @@ count less and less. A bias of a few per cent does no harm here, one bad run or 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -183,6 +183,14 @@ def equations(blocks: Blocks, weight: float, settings: CalibrationSettings) -> E
         target=target.T / std[:, None],
         weight=np.full(len(blocks.time), min(1.0, blocks.period / settings.correlation_s)),
     )
+
+
+def moments_off(rows: Iterable[Equations], vector: FloatArray) -> float:
+    """Root mean square of both moments' errors together, by gains and offsets (2n,), in standard
+    deviations.
+    """
+    off = np.concatenate([one.off(vector)[1:] for one in rows], axis=1)
+    return float(np.sqrt((off**2).sum(axis=0).mean()))
 
 
 def deviations(weight: float, settings: CalibrationSettings) -> FloatArray:

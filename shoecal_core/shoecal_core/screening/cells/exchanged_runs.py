@@ -11,10 +11,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from shoecal_core.arrays import FloatArray
 from shoecal_core.screening.cells.wiring import BETTER, CLEAR_SHARE, exchanged, of_feet
 from shoecal_core.screening.faults import Fault
-from shoecal_core.screening.rough_fit import Equations, Statics, solve_sums
+from shoecal_core.screening.rough_fit import Statics, moments_off, solve_sums
 from shoecal_core.screening.verdict import Finding, name_runs
 
 
@@ -50,7 +49,7 @@ def exchanged_runs(statics: Statics) -> ExchangedRuns | None:
     if not best or best == tuple(numbers) or then > min(CLEAR_SHARE * now, now - BETTER):
         return None
     off, left = (
-        statics.settings.cop_std_m * _moments([one.rows[run] for run in best], fits[best].vector)
+        statics.settings.cop_std_m * moments_off([one.rows[run] for run in best], fits[best].vector)
         for one in (statics, turned)
     )
     return ExchangedRuns(best, off, left)
@@ -62,12 +61,6 @@ def _groups(numbers: Sequence[int]) -> list[tuple[int, ...]]:
     return [()] + [
         tuple(numbers[first:end]) for first in range(count) for end in range(first + 1, count + 1)
     ]
-
-
-def _moments(rows: Sequence[Equations], vector: FloatArray) -> float:
-    """Root mean square of both moments' errors together, in standard deviations."""
-    off = np.concatenate([one.off(vector)[1:] for one in rows], axis=1)
-    return float(np.sqrt((off**2).sum(axis=0).mean()))
 
 
 def describe_exchanged_runs(found: ExchangedRuns | None) -> list[Finding]:

@@ -15,7 +15,7 @@ from shoecal_core.arrays import IntArray
 from shoecal_core.screening.blocks import Blocks
 from shoecal_core.screening.cells.wiring import CLEAR_SHARE, FITS
 from shoecal_core.screening.faults import Fault
-from shoecal_core.screening.rough_fit import Statics, solve
+from shoecal_core.screening.rough_fit import Statics, moments_off, solve
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.shoe.shoe import FEET
 
@@ -89,9 +89,7 @@ def _fit(statics: Statics, cells: Sequence[IntArray], frame: IntArray) -> tuple[
 
     there = statics.changed(change)
     fit = solve(there.rows, there.information)
-    moments = np.concatenate([one.off(fit.vector)[1:] for one in there.rows.values()], axis=1)
-    size = float(np.sqrt((moments**2).sum(axis=0).mean()))
-    return fit.cost, statics.settings.cop_std_m * size
+    return fit.cost, statics.settings.cop_std_m * moments_off(there.rows.values(), fit.vector)
 
 
 def describe_turned_places(found: TurnedPlaces | None) -> list[Finding]:
